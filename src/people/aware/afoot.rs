@@ -1,8 +1,7 @@
-//! How far robots' nodes are from a person on foot: racks are no way through.
+//! How far robots' nodes are from a person on foot; nobody can walk through racks.
 //!
-//! Main type: [`Afoot`]. Separation distances say how far a person walks while a robot comes to rest, so a
-//! robot behind a block of racks is as far as the way round it. Refuses: to shorten region 1, which is as the
-//! crow flies.
+//! Main type: [`Afoot`]. Separation distances state how far a person walks while a robot comes to rest, so a robot
+//! behind a block of racks is as far as the way round it. Refuses: to shorten region 1, which is as the crow flies.
 
 use giveway_floor::geometry::Point;
 use giveway_floor::id::{IdVec, NodeId, WalkNodeId};
@@ -10,7 +9,7 @@ use giveway_floor::warehouse::Warehouse;
 use giveway_floor::warehouse::walkway::Walkways;
 use std::sync::Arc;
 
-/// A robot on a node can be touched from walkways up to this far, metres: from the middle of the next aisle.
+/// A robot on a node can be touched from walkways up to this distance, metres: from the middle of the next aisle.
 const BESIDE_M: f64 = 1.3;
 
 /// Robots' nodes and the walkways beside them.
@@ -21,7 +20,7 @@ pub struct Afoot {
 }
 
 impl Afoot {
-    /// For a building.
+    /// The nodes and walkways of a building.
     pub fn new(warehouse: &Warehouse, walkways: Arc<Walkways>) -> Afoot {
         let nodes = walkways.nodes();
         let beside = |at: Point| -> Vec<(WalkNodeId, f64)> {
@@ -31,8 +30,8 @@ impl Afoot {
         Afoot { walkways, beside }
     }
 
-    /// The nodes within `radius_m` of a person on foot, with their distances in metres. Nodes that no walkway
-    /// comes near are as far as the crow flies.
+    /// The nodes within `radius_m` of a person on foot, with their distances in metres. For nodes far from any walkway,
+    /// the distance is as the crow flies.
     pub fn nodes_within(&self, warehouse: &Warehouse, from: Point, radius_m: f64) -> Vec<(NodeId, f64)> {
         let on_foot = self.walkways.within(from, radius_m);
         let near = warehouse.nodes_within(from, radius_m).into_iter();

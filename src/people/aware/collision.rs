@@ -1,10 +1,10 @@
-//! How probable it is that a robot and a person meet, if the robot drives on.
+//! The probability that a robot and a person meet, if the robot drives on.
 //!
-//! Main types: [`Swept`] (where a robot will be), main function: [`collision`]. The robot's footprint,
-//! widened by half a person, against the forecast of where the person's middle will be. Liu and Jebelli (2023)
-//! integrate the product of two densities and compare it with 5 %; that is no probability and peaks at 9.4 %
-//! for two equal Gaussians. This is the mass of the forecast whose way the footprint crosses. Refuses: to take caution
-//! away; the caller may use it only to brake.
+//! Main types: [`Swept`] (where a robot will be), main function: [`collision`]. It compares the robot's footprint,
+//! widened by half a person, with the forecast of the person's middle. Liu and Jebelli (2023) integrate the product of
+//! two densities and compare it with 5 %; that is no probability and peaks at 9.4 % for two equal Gaussians. The
+//! probability here is the mass of the forecast whose way the footprint crosses. Refuses: to take caution away; the
+//! caller may use it only to brake.
 
 use super::regions::BODY_M;
 use crate::human::{Mixture, PLACES};
@@ -12,29 +12,29 @@ use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::time::{Span, Time};
 use smallvec::SmallVec;
 
-/// A robot brakes where the probability of meeting a person is at least this (Liu and Jebelli 2023 tried 0.5
-/// to 20 % and found less reliability beyond 5 %).
+/// A robot brakes if the probability of meeting a person is at least this (Liu and Jebelli 2023 tried 0.5 to 20 % and
+/// found less reliability beyond 5 %).
 pub const THRESHOLD: f64 = 0.05;
-/// The time ahead is looked at in slices of this length. In each, the person is where they will be at its middle.
+/// Length of a time slice, seconds. In each slice, the person is where the forecast has them at its middle.
 const SLICE_S: f64 = 0.2;
 
-/// How far beyond the time of braking is looked: bodies that begin to touch at its end overlap by little
-/// then, and the next look comes a control period later.
+/// How far beyond the time of braking the check looks: bodies that begin to touch at its end overlap by little then,
+/// and the next check comes a control period later.
 pub const BEYOND: Span = Span::from_millis(500);
 
-/// Where a robot will be: corners along its way with the speed it drives at.
+/// Where a robot will be: corners along its path, and the speed it drives at.
 #[derive(Clone, Debug)]
 pub struct Swept {
-    /// From where it is, in the order of driving.
+    /// Path from the robot's position, in driving order.
     pub way: Vec<Point>,
-    /// How fast it drives, metres per second.
+    /// Speed of the robot, metres per second.
     pub speed_mps: f64,
-    /// Half of its footprint's side, metres.
+    /// Half the side of the robot's footprint, metres.
     pub half_m: f64,
 }
 
 impl Swept {
-    /// Where its middle is after so many seconds; the end of the way at last.
+    /// Position of the robot's middle after `seconds`; finally the end of the path.
     fn at(&self, seconds: f64) -> Point {
         let mut left = self.speed_mps * seconds;
         let mut at = self.way[0];
@@ -59,9 +59,9 @@ impl Swept {
 }
 
 /// The probability that person and robot touch within `time`, if the robot drives on as it does. A person who is off
-/// the middle of a way of walking now will be off it to the same side later, so each of [`PLACES`] of a forecast's
-/// part is followed through time, and counts once, when the robot first meets it. `person` says where the person
-/// will be at a moment; nothing if no person was seen.
+/// the middle of a path now will later be off it to the same side, so each of [`PLACES`] of a forecast's part is
+/// followed through time, and counts once, when the robot first meets it. `person` gives the forecast for a moment; the
+/// result is nothing if no person was seen.
 pub fn collision(
     person: impl Fn(Time) -> Option<Mixture>,
     robot: &Swept,
@@ -71,7 +71,7 @@ pub fn collision(
     assert!(!robot.way.is_empty(), "a robot is somewhere");
     let slices = (time.as_secs_f64() / SLICE_S).ceil().max(1.0);
     let slice_s = time.as_secs_f64() / slices;
-    // Which places of each part were met, bit by bit.
+    // The places of each part that were met, as bits.
     let mut met: SmallVec<[u64; 32]> = SmallVec::new();
     let mut probability = 0.0;
     for k in 0..slices as usize {
@@ -112,7 +112,7 @@ mod tests {
         ask_scaled(robot, lead_s, 1.0)
     }
 
-    /// The same with a forecast that experience has widened.
+    /// The probability of a collision with a forecast that experience has widened by `scale`.
     fn ask_scaled(robot: &Swept, lead_s: f64, scale: f64) -> f64 {
         let (motion, now) = walking();
         let model = Model::builtin();

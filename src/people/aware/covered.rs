@@ -1,5 +1,5 @@
-//! What a closed area covers, and whether an outline can be one: it goes round an area once, lies on this floor, and
-//! covers something of it.
+//! What a closed area covers, and whether an outline is valid: it encloses one area once, lies on this floor, and
+//! covers some of it.
 //!
 //! Main types: [`Covered`], [`AreaFault`]; main functions [`covered`], [`check_area`]. Refuses: to say what a closure
 //! cuts off, which depends on the ways through the rest of the floor.
@@ -12,10 +12,10 @@ use giveway_floor::text::{Sentence, SentenceArg};
 use giveway_floor::warehouse::{NodeKind, Warehouse};
 use std::fmt;
 
-/// The smallest area, square metres.
+/// The smallest area of an outline, square metres.
 const SMALLEST_M2: f64 = 0.01;
 
-/// A corner may lie outside the map by as much as the map is large, and by this, metres: people draw past an edge.
+/// How far a corner may lie outside the map, beyond the map's own size, metres: people draw past an edge.
 const PAST_EDGE_M: f64 = 10.0;
 
 /// What a closed area covers.
@@ -27,27 +27,27 @@ pub struct Covered {
     pub stations: Vec<StationId>,
     /// How many of the nodes are storage.
     pub storage: usize,
-    /// The area inside the outline, square metres; nothing where nodes are named.
+    /// The area inside the outline, square metres; nothing if the closure names nodes.
     pub area_m2: Option<f64>,
 }
 
-/// Why an outline is no area of a floor.
+/// Why an outline is not a valid area of a floor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AreaFault {
-    /// It is no outline.
+    /// The corners form no outline.
     Outline(OutlineFault),
-    /// It is too small, square metres.
+    /// The area is too small, square metres.
     Small(f64),
-    /// A corner, from 1, is far off the floor.
+    /// A corner is far off the floor.
     OffFloor {
-        /// Which.
+        /// Number of the corner, from 1.
         corner: usize,
-        /// Where it is.
+        /// Position of the corner.
         at: Point,
-        /// From where to where the map reaches.
+        /// Lower and upper corner of the map.
         bounds: (Point, Point),
     },
-    /// Robots are to keep out, and it has no node; or people, and nobody can walk there.
+    /// Robots are to keep out, and the area has no node; or people, and nobody can walk there.
     Nothing((Point, Point)),
 }
 
@@ -58,7 +58,7 @@ impl From<OutlineFault> for AreaFault {
 }
 
 impl AreaFault {
-    /// What is wrong, and what to do.
+    /// What is wrong with the outline, and what to do.
     pub fn sentence(&self) -> Sentence {
         let metres = |m: f64| SentenceArg::up_to(m, 3);
         let reach = |(low, high): &(Point, Point)| {
@@ -83,7 +83,7 @@ impl fmt::Display for AreaFault {
     }
 }
 
-/// What an area covers: these nodes, or where none are named, all on which a robot would reach into the outline.
+/// What an area covers: the named nodes, or if there are none, all nodes on which a robot would reach into the outline.
 pub fn covered(w: &Warehouse, outline: &[Point], named: &[NodeId]) -> Covered {
     let is_named = !named.is_empty();
     let nodes = if is_named { named.to_vec() } else { nodes_in(w, outline) };
@@ -102,7 +102,7 @@ pub fn covered(w: &Warehouse, outline: &[Point], named: &[NodeId]) -> Covered {
 /// Whether an outline can be closed to robots, people or both.
 ///
 /// # Errors
-/// Why not.
+/// Why the outline cannot be closed.
 pub fn check_area(w: &Warehouse, outline: &[Point], robots: bool, people: bool) -> Result<(), AreaFault> {
     let area = outline_area_m2(outline)?;
     if area < SMALLEST_M2 {
@@ -123,7 +123,7 @@ pub fn check_area(w: &Warehouse, outline: &[Point], robots: bool, people: bool) 
     Err(AreaFault::Nothing(bounds))
 }
 
-/// Whether somebody could walk on some of an area.
+/// Whether people can walk on some of an area.
 fn has_floor(w: &Warehouse, outline: &[Point]) -> bool {
     fn sides(o: &[Point]) -> impl Iterator<Item = Segment> {
         o.iter().zip(o.iter().cycle().skip(1)).map(|(a, b)| Segment { a: *a, b: *b })
@@ -171,13 +171,13 @@ mod tests {
         let says = |outline: &[Point]| check_area(&w, outline, true, true).unwrap_err().to_string();
         assert!(says(&corners(&[(2.0, 4.0), (8.0, 9.0), (8.0, 4.0), (2.0, 8.0)])).contains("crosses itself"));
         assert!(says(&scaled(&SQUARE, 1000.0)).contains("millimetres"));
-        // In millimetres, with a corner at the map's zero: it would have closed the whole floor.
+        // In millimetres, with a corner at the map's origin: it would have closed the whole floor.
         assert!(
             says(&scaled(&[(0.0, 0.0), (12.0, 0.0), (12.0, 14.0), (0.0, 14.0)], 1000.0)).contains("corner 2")
         );
         assert!(says(&corners(&[(-6.0, -6.0), (-4.0, -6.0), (-4.0, -4.0)])).contains("covers nothing"));
         assert!(says(&corners(&[(2.0, 4.0), (2.05, 4.0), (2.05, 4.05)])).contains("at least 0.01"));
-        // Past the edge of the floor is no mistake.
+        // Corners past the edge of the floor are no mistake.
         let past = corners(&[(-3.0, -3.0), (20.0, -3.0), (20.0, 2.0), (-3.0, 2.0)]);
         assert_eq!(check_area(&w, &past, true, true), Ok(()));
     }

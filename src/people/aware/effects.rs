@@ -1,8 +1,8 @@
-//! From beliefs about people to conditions for the search.
+//! Turns beliefs about people into conditions for the search.
 //!
-//! Main type: [`Effects`]. Where a person is, nothing comes or goes, and around that everything is slower;
-//! where a person will almost surely walk within seconds, no robot may be; where a person may walk, being there
-//! costs, in proportion to the probability. Refuses: to look at robots.
+//! Main type: [`Effects`]. Where a person is, no robot enters or leaves, and around that robots are slower; where a
+//! person will almost surely walk within seconds, no robot may be; where a person may walk, a place has a cost in
+//! proportion to the probability. Refuses: to look at robots.
 
 use super::afoot::Afoot;
 use super::occupancy::Occupancy;
@@ -17,58 +17,59 @@ use std::collections::BTreeMap;
 
 /// Probability from which a place is closed instead of having a soft cost.
 const SURE: f64 = 0.5;
-/// Probability below which a place is neither.
+/// Probability below which a place is neither closed nor has a soft cost.
 const NEGLIGIBLE: f64 = 0.05;
-/// What being surely in a person's way costs, seconds.
+/// Cost of being surely in a person's way, seconds.
 const IN_THE_WAY_S: f64 = 8.0;
-/// How far ahead a place is closed, and how far it has a soft cost.
+/// How far ahead places are closed, and how far ahead they have a soft cost.
 const HARD: Span = Span::from_secs(6);
 const SOFT: Span = Span::from_secs(15);
-/// Without forecasts: what a walker reaches within the first is closed, within the second has a soft cost; seconds.
+/// Without forecasts: places that a walker reaches within the first time are closed, within the second they have a soft
+/// cost; seconds.
 const HARD_REACH_S: f64 = 2.0;
 const SOFT_REACH_S: f64 = 5.0;
-/// Conditions around a worker who walks hold this long …
+/// How long conditions around a walking worker hold …
 const NOW: Span = Span::from_millis(900);
-/// … and around one who stands this long at most.
+/// … and the longest time they hold around a standing one.
 const STOOD: Span = Span::from_secs(120);
-/// Room between region 1 and a robot that passes a person who stands to let it, metres.
+/// Distance between region 1 and a robot that passes a person who stands aside for it, metres.
 const ASIDE_M: f64 = 0.3;
 
-/// How the fleet finds out when a worker takes a node. The first delivers more, and people wait less, in the halls that
-/// were measured (docs/experiments.md).
+/// How the fleet predicts when a worker occupies a node. In the halls that were measured, the first delivers more and
+/// people wait less (docs/experiments.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum NodeWindows {
-    /// From when a fast walker comes until a slow one has gone, for each way; a worker who keeps to the path keeps to
-    /// it.
+    /// For each path: from the arrival of a fast walker until a slow one has left; a worker who follows the assigned
+    /// path is taken to keep to it.
     #[default]
     Speeds,
-    /// By the calibrated forecast by which robots brake, node by node.
+    /// By the calibrated forecast that robots brake by, node by node.
     Mixture,
 }
 
-/// What conditions are made with.
+/// Inputs for making conditions.
 #[derive(Debug)]
 pub struct Effects<'a> {
     /// The building.
     pub warehouse: &'a Warehouse,
     /// Radii and speeds.
     pub regions: &'a Regions,
-    /// How far nodes are on foot.
+    /// Distances of nodes on foot.
     pub afoot: &'a Afoot,
     /// The time now.
     pub now: Time,
 }
 
 impl Effects<'_> {
-    /// Regions 2 and 3 around a worker where the worker is. A person who has stood for long is expected to stand as
-    /// long again, so that robots look for other ways; conditions are made anew every step.
+    /// Regions 2 and 3 around a worker's present place. A person who has stood for long is expected to stand as long
+    /// again, so that robots look for other ways; conditions are made anew every step.
     pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts, stood: Span) {
         let window = Window::new(self.now, self.now + stood.clamp(NOW, STOOD));
         let keep_out = self.regions.keep_out_radius_m(true, w.sigma_m) + w.reach_m;
         self.around(conditions, worker, w, (window, keep_out));
     }
 
-    /// Regions around a worker who stands to let a robot pass: a slow robot comes as near as it can still stop.
+    /// Regions around a worker who stands aside for a robot: a slow robot may come as near as it can still stop.
     pub fn stands_aside(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts) {
         let keep_out = self.regions.stop_radius_m(true, w.sigma_m) + ASIDE_M + w.reach_m;
         self.around(conditions, worker, w, (Window::new(self.now, self.now + NOW), keep_out));
@@ -93,8 +94,8 @@ impl Effects<'_> {
         }
     }
 
-    /// Nodes on the ways that a worker may take, each from when a fast walker comes until a slow one has gone, by the
-    /// probability of the way: ours ([`NodeWindows::Speeds`]).
+    /// Nodes on the paths that a worker may take, each from the arrival of a fast walker until a slow one has left,
+    /// weighted by the probability of the path: our method ([`NodeWindows::Speeds`]).
     pub fn forecast(&self, conditions: &mut Conditions, worker: WorkerId, paths: &[Hypothesis], band: Band) {
         let mut found: BTreeMap<NodeId, (f64, usize, Window)> = BTreeMap::new();
         for (i, h) in paths.iter().enumerate().filter(|(_, h)| h.probability >= NEGLIGIBLE / 4.0) {
@@ -119,7 +120,7 @@ impl Effects<'_> {
         }
     }
 
-    /// Nodes that a worker will take by the calibrated forecast ([`NodeWindows::Mixture`]).
+    /// Nodes that a worker will occupy by the calibrated forecast ([`NodeWindows::Mixture`]).
     pub fn occupied(&self, conditions: &mut Conditions, worker: WorkerId, occupied: &[Occupancy]) {
         let cause = Cause::Worker(worker);
         for o in occupied.iter().filter(|o| o.window.end() > self.now) {
@@ -133,7 +134,7 @@ impl Effects<'_> {
         }
     }
 
-    /// All that a worker can reach: where forecasts have proved wrong.
+    /// All nodes that a worker can reach, for use when forecasts have proved wrong.
     pub fn reachable(&self, conditions: &mut Conditions, worker: WorkerId, at: Point) {
         let cause = Cause::Worker(worker);
         for (node, distance) in self.afoot.nodes_within(self.warehouse, at, WALK_MPS * SOFT_REACH_S) {
@@ -147,7 +148,7 @@ impl Effects<'_> {
         }
     }
 
-    /// A worker's whole plan with regions 2 and 3 around it: as published (Petković 2021, sections 4.2.3 and
+    /// A worker's whole planned path with regions 2 and 3 around it, as published (Petković 2021, sections 4.2.3 and
     /// 4.3.3).
     pub fn plan(&self, conditions: &mut Conditions, worker: WorkerId, path: &Hypothesis, band: Band) {
         let cause = Cause::Worker(worker);
@@ -183,7 +184,7 @@ pub fn nodes_in(warehouse: &Warehouse, outline: &[Point]) -> Vec<NodeId> {
     warehouse.nodes.pairs().filter(|(_, n)| inside(n.at)).map(|(id, _)| id).collect()
 }
 
-/// Even-odd rule.
+/// Whether a point is inside an outline, by the even-odd rule.
 fn is_inside(outline: &[Point], p: Point) -> bool {
     let edges = outline.iter().zip(outline.iter().cycle().skip(1));
     let crossings = edges

@@ -1,21 +1,21 @@
-//! Counting encounters: a moving robot comes into region 1 of a worker, or drives nearer after it stood in it.
+//! Counts encounters: a moving robot enters region 1 of a worker, or drives nearer after standing inside it.
 //!
-//! Main types: [`Meter`], [`Meeting`]. An encounter ends when the robot is out of the region by a hysteresis
-//! of 0.3 m; the same pair meets again after 2 s at the earliest (DESIGN §8). The same meter measures what
-//! the fleet sees and what a simulation knows. Refuses: to ask why.
+//! Main types: [`Meter`], [`Meeting`]. An encounter ends when the robot is out of the region by a hysteresis of 0.3 m;
+//! the same pair meets again after 2 s at the earliest (DESIGN §8). The same meter measures what the fleet sees and
+//! what a simulation knows. Refuses: to judge the cause.
 
 use giveway_floor::geometry::Point;
 use giveway_floor::id::{RobotId, WorkerId};
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// Out is this much farther than in, metres.
+/// Additional distance at which a robot counts as out of the region, metres.
 const HYSTERESIS_M: f64 = 0.3;
-/// The same pair does not meet twice within this.
+/// Time within which the same pair does not meet again.
 const REARM: Span = Span::from_secs(2);
 /// A robot slower than this does not move, metres per second.
 pub const MOVES_MPS: f64 = 0.05;
-/// A robot that comes so much nearer from one look to the next drives nearer, metres.
+/// A robot that comes nearer than this from one look to the next drives nearer, metres.
 const NEARER_M: f64 = 0.003;
 
 /// A robot near a worker, at one moment.
@@ -25,22 +25,22 @@ pub struct Near {
     pub worker: WorkerId,
     /// The robot.
     pub robot: RobotId,
-    /// Where the worker is.
+    /// Position of the worker.
     pub at: Point,
-    /// Where the robot is.
+    /// Position of the robot.
     pub robot_at: Point,
     /// Radius of region 1, metres.
     pub radius_m: f64,
-    /// Between the centres, metres.
+    /// Distance between the centres, metres.
     pub distance_m: f64,
     /// Speed of the robot, metres per second.
     pub robot_mps: f64,
-    /// Speed of the worker.
+    /// Speed of the worker, metres per second.
     pub worker_mps: f64,
 }
 
 impl Near {
-    /// Whether the robot is nearer to where the worker is now than it would be if it had not moved from there.
+    /// Whether the robot is nearer to the worker's present place than it was from its position `before`.
     fn has_come_nearer_from(&self, before: Point) -> bool {
         (self.robot_at - self.at).norm() < (before - self.at).norm() - NEARER_M
     }
@@ -49,43 +49,43 @@ impl Near {
 /// An encounter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Meeting {
-    /// How it began.
+    /// State of the pair at the beginning.
     pub start: Near,
-    /// When.
+    /// Time of the beginning.
     pub began: Time,
-    /// Closest distance, metres.
+    /// Closest distance between the centres, metres.
     pub closest_m: f64,
 }
 
 impl Meeting {
-    /// Who meets.
+    /// The worker and the robot that meet.
     pub fn pair(&self) -> (WorkerId, RobotId) {
         (self.start.worker, self.start.robot)
     }
 }
 
-/// Pairs that meet, or met lately.
+/// Pairs that meet, or met recently.
 #[derive(Clone, Debug, Default)]
 pub struct Meter {
     open: BTreeMap<(WorkerId, RobotId), Meeting>,
     over: BTreeMap<(WorkerId, RobotId), Time>,
-    /// Whether each pair that is near was inside at the last look, and where the robot was.
+    /// For each pair that is near: whether it was inside at the last look, and where the robot was.
     near: BTreeMap<(WorkerId, RobotId), (bool, Point)>,
     begun: u64,
 }
 
 impl Meter {
-    /// How many have begun.
+    /// How many encounters have begun.
     pub fn begun(&self) -> u64 {
         self.begun
     }
 
-    /// Pairs that meet now.
+    /// Encounters in progress.
     pub fn open(&self) -> impl Iterator<Item = &Meeting> {
         self.open.values()
     }
 
-    /// Looks at all pairs that are near one another; returns the encounters that are over.
+    /// Checks all pairs near each other; returns the encounters that have ended.
     pub fn observe(&mut self, now: Time, near: &[Near]) -> Vec<Meeting> {
         let mut still: BTreeMap<(WorkerId, RobotId), (bool, Point)> = BTreeMap::new();
         for n in near {
@@ -141,7 +141,7 @@ mod tests {
         }
     }
 
-    /// Distances and robot speeds every half second; gives how many encounters began and how many ended.
+    /// Counts encounters for distances and robot speeds every half second; gives how many began and how many ended.
     fn count(track: &[(f64, f64)]) -> (u64, usize) {
         let mut meter = Meter::default();
         let mut ended = 0;

@@ -34,18 +34,17 @@ pub enum HumanAwarePolicy {
     Shir,
     /// Predicts by the published intention recognition, and reacts by the published procedure.
     Phir,
-    /// Predicts occupancies with probabilities, and makes only those robots give way that would meet the
-    /// worker.
+    /// Predicts occupancies with probabilities, and makes only those robots give way that would meet the worker.
     #[default]
     Giveway,
 }
 
 impl HumanAwarePolicy {
-    /// All of them.
+    /// All policies.
     pub const ALL: [HumanAwarePolicy; 4] =
         [HumanAwarePolicy::Nhir, HumanAwarePolicy::Shir, HumanAwarePolicy::Phir, HumanAwarePolicy::Giveway];
 
-    /// Its name in files and tables.
+    /// The policy's name in files and tables.
     pub fn word(self) -> &'static str {
         match self {
             HumanAwarePolicy::Nhir => "nhir",

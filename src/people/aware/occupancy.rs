@@ -1,9 +1,9 @@
-//! Which nodes a person will take, when, and with what probability.
+//! Which nodes a person will occupy, when, and with what probability.
 //!
-//! Main type: [`Occupancy`], main function: [`occupancies`]. The same calibrated mixture by which robots brake
-//! (`collision`), looked at node by node: each of a few places of each of its parts is followed through time, so a
-//! person who passes a node counts once there. Racks are no way through: a node counts only when a person can have
-//! come there on foot. Refuses: to say what that means for robots (`effects`).
+//! Main type: [`Occupancy`], main function: [`occupancies`]. It evaluates the calibrated mixture that robots brake by
+//! (`collision`) node by node: a few places of each part are followed through time, so a person who passes a node
+//! counts once there. Nobody walks through racks: a node counts only once a person can have come there on foot.
+//! Refuses: to say what that means for robots (`effects`).
 
 use crate::human::{FEW_PLACES, Mixture};
 use giveway_floor::geometry::Point;
@@ -13,57 +13,57 @@ use giveway_floor::warehouse::Warehouse;
 use smallvec::SmallVec;
 use std::collections::BTreeMap;
 
-/// A node that a person takes at some time with less than this probability is not looked at.
+/// Nodes that a person occupies with less than this probability are ignored.
 const NEGLIGIBLE: f64 = 0.05;
 /// A person is likely at a node while the probability of being there is at least this.
 const LIKELY: f64 = 0.25;
-/// Parts of a forecast with less than this share are left out.
+/// Parts of a forecast with less than this share are ignored.
 const SMALL: f64 = 0.01;
-/// The time ahead is looked at in so many slices of so many milliseconds each: finer where more is known.
+/// Number and length in milliseconds of the time slices ahead: finer where more is known.
 const SLICES: [(i64, i64); 2] = [(10, 500), (10, 1000)];
-/// People walk no faster, metres per second.
+/// Greatest walking speed, metres per second.
 const FASTEST_MPS: f64 = 2.2;
 
 /// When a person will be at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Occupancy {
-    /// Which node.
+    /// The node.
     pub node: NodeId,
-    /// The probability that the person comes there within this time.
+    /// The probability that the person comes to the node within the time looked ahead.
     pub probability: f64,
-    /// From when until when that is not negligible.
+    /// When the probability of being there is not negligible.
     pub window: Window,
-    /// From when until when the person is likely to be there just then.
+    /// When the person is likely to be there at each moment.
     pub likely: Option<Window>,
 }
 
-/// Somebody who is expected to stay at the end of a way.
+/// A person's expected stay at the end of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stay {
-    /// Where.
+    /// Position of the stay.
     pub at: Point,
     /// From the arrival of a fast walker until a slow one has left.
     pub window: Window,
-    /// How probable that is.
+    /// Probability of the stay.
     pub probability: f64,
 }
 
-/// One node while slices are gone through.
+/// State of one node while the time slices are evaluated.
 #[derive(Debug, Default)]
 struct Seen {
-    /// Which places of each part have been here, bit by bit.
+    /// The places of each part that have been here, as bits.
     met: SmallVec<[u16; 24]>,
-    /// The probability that somebody has been here.
+    /// The probability that the person has been here.
     ever: f64,
-    /// The probability of being here in this slice.
+    /// The probability that the person is here in the current slice.
     during: f64,
     window: Option<Window>,
     likely: Option<Window>,
 }
 
-/// The nodes that a person takes within 15 seconds of `now`. `person` says where the person will be at a moment,
-/// `on_foot` the nodes that can be reached with their distances in metres; a person is at a node whose middle is within
-/// `beside_m`. Linear in slices × parts of the forecast × [`FEW_PLACES`].
+/// The nodes that a person occupies within 15 seconds of `now`. `person` gives the forecast for a moment, `on_foot` the
+/// reachable nodes with their distances in metres; a person is at a node whose middle is within `beside_m`. Linear in
+/// slices × parts of the forecast × [`FEW_PLACES`].
 pub fn occupancies(
     warehouse: &Warehouse,
     beside_m: f64,
@@ -103,7 +103,7 @@ pub fn occupancies(
 }
 
 impl Seen {
-    /// A place of a part is here.
+    /// Counts a place of a part that is here.
     fn visit(&mut self, part: usize, place: usize, share: f64) {
         if self.met.len() <= part {
             self.met.resize(part + 1, 0);
@@ -126,7 +126,7 @@ impl Seen {
         self.during = 0.0;
     }
 
-    /// The person stays here at the end of a way.
+    /// Adds a stay of the person at the end of a path.
     fn stay(&mut self, stay: &Stay) {
         self.ever = self.ever.max(stay.probability);
         if stay.probability >= NEGLIGIBLE {
@@ -157,8 +157,8 @@ mod tests {
 
     const BESIDE_M: f64 = 0.8;
 
-    /// Somebody who walks along x from the first node at so many metres per second, each share a metre more to the
-    /// side, with a spread that grows by a fifth of the way.
+    /// Occupancies of a person who walks along x from the first node at `mps` metres per second, each share 20 metres
+    /// further to the side, with a spread that grows by a fifth of the way.
     fn taken(
         w: &Warehouse,
         mps: f64,

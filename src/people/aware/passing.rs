@@ -1,53 +1,53 @@
 //! Whether a robot would still move when a person comes near.
 //!
-//! Main types: [`DriveAhead`] (a robot on what it was granted), [`Walk`] (a person on the way that is expected), main
-//! functions: [`moves_within`], [`leaves_after`]. A robot that stands when a person comes is no trouble; one that is
-//! overtaken, or has not yet stopped, meets them. Refuses: to take caution away; the caller may use it only to brake.
+//! Main types: [`DriveAhead`] (a robot on its granted way), [`Walk`] (a person on the expected way), main functions:
+//! [`moves_within`], [`leaves_after`]. A robot that stands when a person comes is no trouble; one that is overtaken, or
+//! has not yet stopped, meets the person. Refuses: to take caution away; the caller may use it only to brake.
 
 use giveway_floor::geometry::{Point, turn_between};
 
-/// Both are looked at in steps of so many seconds …
+/// Step length for following robot and person, seconds …
 const STEP_S: f64 = 0.1;
-/// … and so many of them.
+/// … and number of steps.
 const STEPS: usize = 50;
-/// Whether a person leaves a place is looked at in steps of so many seconds …
+/// Step length for whether a person leaves a place, seconds …
 const LEAVE_STEP_S: f64 = 0.25;
-/// … and so many of them.
+/// … and number of steps.
 const LEAVE_STEPS: usize = 60;
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.05;
-/// Bends of more than this are turned on the spot, radians.
+/// Bends sharper than this are turned on the spot, radians.
 const BEND: f64 = 0.1;
 
-/// A robot that drives on as fast as it may, and rests at the end of its way.
+/// A robot that drives on as fast as it may, and rests at the end of its path.
 #[derive(Clone, Debug)]
 pub struct DriveAhead {
-    /// From where it is, in the order of driving.
+    /// Path from the robot's position, in driving order.
     pub way: Vec<Point>,
-    /// How fast it is, metres per second.
+    /// Present speed, metres per second.
     pub speed_mps: f64,
-    /// How fast it may become, metres per second.
+    /// Greatest speed, metres per second.
     pub top_mps: f64,
-    /// How fast speed changes, metres per second squared.
+    /// Acceleration, metres per second squared.
     pub accel_mps2: f64,
-    /// Where it faces, radians.
+    /// Heading, radians.
     pub heading: f64,
-    /// How fast it turns, radians per second.
+    /// Turning rate, radians per second.
     pub turn_radps: f64,
 }
 
-/// A person who sets off in a while, and walks.
+/// A person who sets off after a wait, and walks.
 #[derive(Clone, Debug)]
 pub struct Walk {
-    /// From where the person is, in the order of walking.
+    /// Path from the person's position, in walking order.
     pub way: Vec<Point>,
-    /// How fast, metres per second.
+    /// Walking speed, metres per second.
     pub speed_mps: f64,
-    /// How long until the first step, seconds.
+    /// Time until the first step, seconds.
     pub waits_s: f64,
 }
 
-/// Along a way, with what is left of it.
+/// A position on a path, with the rest of the path.
 struct Along<'a> {
     at: Point,
     ahead: &'a [Point],
@@ -59,7 +59,7 @@ impl Along<'_> {
         Along { at: *at, ahead }
     }
 
-    /// Goes on by so many metres, to the next corner at most. Whether that was reached.
+    /// Advances by `metres`, at most to the next corner. Gives whether the corner was reached.
     fn reach_corner(&mut self, metres: f64) -> bool {
         let Some((corner, rest)) = self.ahead.split_first() else { return false };
         let leg = corner - self.at;
@@ -82,7 +82,7 @@ impl Along<'_> {
         }
     }
 
-    /// Which way it goes on.
+    /// Direction of the rest of the path, radians.
     fn heading(&self) -> Option<f64> {
         let leg = self.ahead.iter().map(|p| p - self.at).find(|leg| leg.norm() > 1e-6)?;
         Some(leg.y.atan2(leg.x))
@@ -104,8 +104,8 @@ impl Along<'_> {
     }
 }
 
-/// After how many seconds a person has left a place behind: from then on the person stays farther from it than
-/// `radius_m`, as far as the next 15 seconds tell. Nothing for a person who is that near at their end.
+/// After how many seconds a person has left a place: from then on the person stays farther from it than `radius_m`,
+/// within the next 15 seconds. Nothing for a person who is still that near at the end of them.
 pub fn leaves_after(walk: &Walk, place: Point, radius_m: f64) -> Option<f64> {
     let mut person = Along::on(&walk.way);
     let mut left_s = Some(0.0);
@@ -120,8 +120,8 @@ pub fn leaves_after(walk: &Walk, place: Point, radius_m: f64) -> Option<f64> {
     left_s
 }
 
-/// Whether the robot still moves while it is nearer to the person than `radius_m`, centre to centre, within the
-/// next seconds.
+/// Whether the robot still moves while it is nearer to the person than `radius_m`, centre to centre, within the next
+/// seconds.
 pub fn moves_within(drive: &DriveAhead, walk: &Walk, radius_m: f64) -> bool {
     let (mut robot, mut person) = (Along::on(&drive.way), Along::on(&walk.way));
     let (mut v, mut heading, mut turning_s) = (drive.speed_mps, drive.heading, 0.0);
@@ -165,7 +165,7 @@ mod tests {
     fn who_walks_faster_than_a_robot_sets_off_catches_up_with_it() {
         let behind = walk(&[(-2.0, 0.0), (9.0, 0.0)], 1.4, 0.0);
         assert!(moves_within(&drive(&[(0.0, 0.0), (6.0, 0.0)], 0.0), &behind, 1.15));
-        // Already as fast as that, it gets away, until it has to stand at the end of a short way.
+        // A robot that already drives that fast gets away, until it has to stand at the end of a short path.
         let fast = DriveAhead { top_mps: 1.5, ..drive(&[(0.0, 0.0), (9.0, 0.0)], 1.4) };
         assert!(!moves_within(&fast, &behind, 1.15));
         let short = DriveAhead { way: vec![Point::origin(), Point::new(1.5, 0.0)], ..fast };

@@ -1,10 +1,10 @@
 //! How near a robot may come to a person, and how fast.
 //!
-//! Main type: [`Regions`]. The separation distance is that of ISO/TS 15066, 5.5.4: what the person walks
-//! while the robot reacts and brakes, what the robot drives meanwhile, and the uncertainty of both places.
-//! Region 1 is where a slow robot must stand, region 2 where the slow speed would be too fast, region 3 where
-//! full speed would. A person is always taken to walk at 1.6 m/s (ISO 13855): predictions add caution and
-//! never take any away. Refuses: to be a safety function; robots' own scanners and brakes are.
+//! Main type: [`Regions`]. The separation distance is that of ISO/TS 15066, 5.5.4: what the person walks while the
+//! robot reacts and brakes, what the robot drives meanwhile, and the uncertainty of both positions. Region 1 is where a
+//! slow robot must stand, region 2 where the slow speed would be too fast, region 3 where full speed would be. A person
+//! is always taken to walk at 1.6 m/s (ISO 13855): predictions add caution and never take any away. Refuses: to be a
+//! safety function; robots' own scanners and brakes are.
 
 use super::safe_space::StoppingTimes;
 use crate::human::WALK_MPS;
@@ -14,87 +14,87 @@ use giveway_floor::route::Kinematics;
 pub const BODY_M: f64 = 0.25;
 /// Room between a person on a path and a robot, metres.
 const GAP_M: f64 = 0.1;
-/// Uncertainty of a robot's place, metres.
+/// Uncertainty of a robot's position, metres.
 const ROBOT_M: f64 = 0.1;
 /// Speed of robots near people, metres per second.
 pub const SLOW_MPS: f64 = 0.5;
 /// Speed of robots that come towards people who are near, metres per second.
 pub const CREEP_MPS: f64 = 0.25;
-/// Robots come towards people within this distance so slowly that twice the separation is left, metres.
+/// Within this distance of people, robots approach so slowly that twice the separation distance is left, metres.
 pub const APPROACH_M: f64 = 3.0;
 
 /// Radii and speeds for one kind of robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Regions {
     kinematics: Kinematics,
-    /// Half of its width, without and with a rack.
+    /// Half the robot's width, without and with a rack, metres.
     half_m: [f64; 2],
-    /// From a pose being so to the robot's brakes: age, control period, radio, controller; seconds.
+    /// Time from a pose being valid to the robot's brakes: age, control period, radio, controller; seconds.
     reaction_s: f64,
 }
 
 impl Regions {
-    /// For robots of this kind, `footprint_m` wide, in a fleet that decides every `period_s`.
+    /// Regions for robots of this kind, `footprint_m` wide, in a fleet that decides every `period_s`.
     pub fn new(kinematics: Kinematics, footprint_m: f64, period_s: f64) -> Regions {
         Regions::for_outlines(kinematics, [footprint_m / 2.0; 2], period_s)
     }
 
-    /// For robots of this kind that reach so far from their middle, without and with a rack.
+    /// Regions for robots of this kind that extend this far from their middle, without and with a rack, metres.
     pub fn for_outlines(kinematics: Kinematics, half_m: [f64; 2], period_s: f64) -> Regions {
         let reaction_s = 0.1 + 2.0 * period_s + kinematics.reaction.as_secs_f64();
         Regions { kinematics, half_m, reaction_s }
     }
 
-    /// How long a robot takes to stand.
+    /// Reaction and braking time of a robot at speed `v`.
     pub fn times(&self, v: f64, loaded: bool) -> StoppingTimes {
         StoppingTimes { react_s: self.reaction_s, stop_s: v / self.kinematics.accel_mps2(loaded) }
     }
 
-    /// Way from deciding to standing, metres.
+    /// Distance from decision to stand, metres.
     fn stop_m(&self, v: f64, loaded: bool) -> f64 {
         let times = self.times(v, loaded);
         times.reacting_m(v) + times.stopping_m(v)
     }
 
-    /// Half of a person and half of a robot: what distances between centres have more than separations, metres.
+    /// Half of a person and half of a robot, metres: the difference between distances of centres and separations.
     pub fn bodies_m(&self, loaded: bool) -> f64 {
         BODY_M + self.half_m[usize::from(loaded)]
     }
 
-    /// What a person on a path and a robot beside it need between their centres, metres.
+    /// Distance that a person on a path and a robot beside it need between their centres, metres.
     pub fn beside_m(&self) -> f64 {
         self.bodies_m(true) + GAP_M
     }
 
-    /// The separation distance at speed `v`, from surface to surface, metres. `sigma_m` is one standard
-    /// deviation of the person's place.
+    /// The separation distance at speed `v`, from surface to surface, metres. `sigma_m` is one standard deviation of
+    /// the person's position.
     pub fn separation_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
         self.times(v, loaded).walked_m() + self.stop_m(v, loaded) + 2.0 * sigma_m + ROBOT_M
     }
 
-    /// Region 1: a robot stops. Between the centres, metres, for robots that are slow as they should be near
-    /// people.
+    /// Radius of region 1, in which a robot stops: between the centres, metres, for robots at the slow speed required
+    /// near people.
     pub fn stop_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
         self.stop_radius_at_m(SLOW_MPS, loaded, sigma_m)
     }
 
-    /// Region 1 of a robot that drives at `v`: if it is faster than it should be, it must brake earlier.
+    /// Radius of region 1 for a robot at speed `v`, metres: if it is faster than it should be, it must brake earlier.
     pub fn stop_radius_at_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
         self.bodies_m(loaded) + self.stop_m(v.max(SLOW_MPS), loaded) + 2.0 * sigma_m
     }
 
-    /// Region 2: no robot comes or goes.
+    /// Radius of region 2, which no robot enters or leaves, metres.
     pub fn keep_out_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
         self.bodies_m(loaded) + self.separation_m(SLOW_MPS, loaded, sigma_m)
     }
 
-    /// Region 3: robots are slower than they could be.
+    /// Radius of region 3, in which robots are slower than they could be, metres.
     pub fn slow_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
         self.bodies_m(loaded) + self.separation_m(self.kinematics.top_mps(loaded), loaded, sigma_m)
     }
 
-    /// The speed at which the separation distance is just kept, never below [`SLOW_MPS`], metres per second.
-    /// Nothing where any speed is slow enough.
+    /// The speed at which the separation distance is just kept, never below [`SLOW_MPS`], metres per second. Nothing if
+    /// any speed is slow enough.
     pub fn limit_mps(&self, distance_m: f64, loaded: bool, sigma_m: f64) -> Option<f64> {
         let (top, a) = (self.kinematics.top_mps(loaded), self.kinematics.accel_mps2(loaded));
         // v²/2a + v·(T + walk/a) + walk·T + doubt = distance
@@ -104,9 +104,9 @@ impl Regions {
         (v < top).then(|| quantised(v).clamp(SLOW_MPS.min(top), top))
     }
 
-    /// How fast a robot may come towards a person at most, metres per second: so that within three metres twice
-    /// the separation distance is left to a person who walks at `walks_mps`, and so that a robot farther away is as
-    /// slow when it comes there. Never below 0.25 m/s. Nothing where any speed is slow enough.
+    /// Greatest speed at which a robot may approach a person, metres per second: within three metres, twice the
+    /// separation distance is left to a person who walks at `walks_mps`; a robot farther away must have slowed down to
+    /// that when it gets there. Never below 0.25 m/s. Nothing if any speed is slow enough.
     pub fn approach_limit_mps(
         &self,
         distance_m: f64,
@@ -122,13 +122,13 @@ impl Regions {
         let left = half_m - walks_mps * self.reaction_s - doubt_m;
         let there = if left <= 0.0 { 0.0 } else { a * ((b * b + 2.0 * left / a).sqrt() - b) };
         let there = quantised(there).max(CREEP_MPS);
-        // v·T + (v² - there²)/2a = what is left to drive until there
+        // v·T + (v² - there²)/2a = distance left to drive until there
         let (t, until_m) = (self.reaction_s * a, (distance_m - APPROACH_M).max(0.0));
         let v = ((t * t + there * there + 2.0 * a * until_m).sqrt() - t).max(there);
         (v < top).then(|| quantised(v))
     }
 
-    /// [`Regions::limit_mps`] without and with a rack, infinite where there is none.
+    /// [`Regions::limit_mps`] without and with a rack, infinite if there is no limit.
     pub fn limits_mps(&self, distance_m: f64, sigma_m: f64) -> [f64; 2] {
         [false, true].map(|l| self.limit_mps(distance_m, l, sigma_m).unwrap_or(f64::INFINITY))
     }
@@ -214,7 +214,7 @@ mod tests {
             }
         }
         assert_eq!(r.approach_limit_mps(12.0, 1.4, false, 0.02), None);
-        // The figures of docs/people.md: somebody who stands, and somebody who walks at 1.2 m/s.
+        // The figures of docs/people.md: a person who stands, and one who walks at 1.2 m/s.
         let at_3_m = |walks, loaded| r.approach_limit_mps(3.0, walks, loaded, 0.02);
         assert_eq!(
             [at_3_m(0.2, false), at_3_m(0.2, true), at_3_m(1.4, false)],

@@ -1,11 +1,11 @@
-//! Safe spaces of workers and robots, and what a robot does where its plan and a worker's share a place.
+//! Safe spaces of workers and robots, and how a robot adapts if its plan and a worker's share a place.
 //!
 //! Main types: [`StoppingTimes`] (how long a robot takes to react and to stop), [`Zone`] (a potential collision zone),
 //! [`Case`], [`Adaptation`]. Source: Ye, Guo, Guo and Luo 2024, "A construction robot path planning method based on
 //! safe space and worker trajectory prediction", equations 3 to 8 and the decision model of section 3.4. Read with its
-//! errata: 1.78 m is an arm span, so the radius of the circle is half of it; what cases 1 and 2 say is swapped (there
-//! the *robot* has left before the worker comes, and the worker before the robot); "and" between the orders of times
-//! means "or"; equal times, which no case covers, are those of half-open windows here. Refuses: to know where a
+//! errata: 1.78 m is an arm span, so the radius of the circle is half of it; the texts of cases 1 and 2 are swapped
+//! (there the *robot* has left before the worker comes, and the worker before the robot); "and" between the orders of
+//! times means "or"; equal times, which no case covers, are those of half-open windows here. Refuses: to know where a
 //! worker or a robot is, and to be a safety function.
 
 use crate::human::WALK_MPS;
@@ -16,17 +16,17 @@ pub const ARM_SPAN_M: f64 = 1.78;
 /// The least distance between a worker and a robot that work together, metres (ISO 10218-2, as quoted there).
 pub const APART_M: f64 = 0.5;
 
-/// How long a robot takes to stand, seconds.
+/// Reaction and braking times of a robot, seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StoppingTimes {
-    /// From a worker being seen to the brakes: T_r.
+    /// Time from a worker being seen to the brakes: T_r.
     pub react_s: f64,
-    /// From the brakes to standing: T_s.
+    /// Time from the brakes to a stand: T_s.
     pub stop_s: f64,
 }
 
 impl StoppingTimes {
-    /// How far a worker walks meanwhile, metres (Ye et al., equation 4).
+    /// How far a worker walks during both times, metres (Ye et al., equation 4).
     pub fn walked_m(self) -> f64 {
         WALK_MPS * (self.react_s + self.stop_s)
     }
@@ -36,12 +36,12 @@ impl StoppingTimes {
         v * self.react_s
     }
 
-    /// How far a robot drives from `v` while it brakes evenly, metres (equation 8).
+    /// How far a robot at speed `v` drives while it brakes evenly, metres (equation 8).
     pub fn stopping_m(self, v: f64) -> f64 {
         0.5 * v * self.stop_s
     }
 
-    /// Radius of a worker's safe space, metres: the reach of the arms, and walking (section 3.3.1).
+    /// Radius of a worker's safe space, metres: the reach of the arms, plus walking (section 3.3.1).
     pub fn worker_m(self) -> f64 {
         ARM_SPAN_M / 2.0 + self.walked_m()
     }
@@ -53,12 +53,12 @@ impl StoppingTimes {
     }
 }
 
-/// A place in the plans of a robot and of a worker: when each is there.
+/// A place in the plans of a robot and of a worker, with the window of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Zone {
-    /// From `t_p` to `t_q`.
+    /// The robot's window, from `t_p` to `t_q`.
     pub robot: Window,
-    /// From `t_i` to `t_j`.
+    /// The worker's window, from `t_i` to `t_j`.
     pub worker: Window,
 }
 
@@ -75,24 +75,24 @@ pub enum Case {
     WorkerFirst,
 }
 
-/// What the robot does.
+/// How the robot adapts to a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Adaptation {
-    /// It keeps its route and its speed.
+    /// Keep the route and the speed.
     Keep,
-    /// It keeps its route, but comes no sooner than this.
+    /// Keep the route, but arrive no sooner than this.
     Slow(Time),
-    /// It looks for another route.
+    /// Look for another route.
     Change,
 }
 
 impl Zone {
-    /// Whether they would meet.
+    /// Whether robot and worker would meet.
     pub fn meets(self) -> bool {
         self.robot.overlaps(self.worker)
     }
 
-    /// Which case it is.
+    /// The case of this zone.
     pub fn case(self) -> Case {
         let (robot, worker) = (self.robot, self.worker);
         if robot.end() <= worker.start() {
@@ -106,12 +106,12 @@ impl Zone {
         }
     }
 
-    /// How much later the robot has to come for the worker to be through.
+    /// Delay of the robot that lets the worker through.
     pub fn delay(self) -> Span {
         self.worker.end() - self.robot.start()
     }
 
-    /// As published: slower only where the worker is first, and where it may come later by `slack` at most.
+    /// The published decision: slower only if the worker is first, and if the delay is at most `slack`.
     pub fn published(self, slack: Span) -> Adaptation {
         match self.case() {
             Case::RobotBefore | Case::WorkerBefore => Adaptation::Keep,
@@ -120,8 +120,8 @@ impl Zone {
         }
     }
 
-    /// Ours: slower wherever that is enough. A robot that would be first can let the worker through as well, and
-    /// comes to its goal sooner than by most other routes.
+    /// Our decision: slower wherever that is enough. A robot that would be first can let the worker through as well,
+    /// and reaches its goal sooner than by most other routes.
     pub fn answer(self, slack: Span) -> Adaptation {
         match self.case() {
             Case::RobotBefore | Case::WorkerBefore => Adaptation::Keep,

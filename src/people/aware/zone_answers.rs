@@ -1,34 +1,34 @@
-//! How robots answered potential collision zones with workers, counted: the replans that keeping a route and waiting
+//! Counts of how robots answered potential collision zones with workers: the replans that keeping a route and waiting
 //! save.
 //!
-//! Main types: [`ZoneAnswer`], [`ZoneCounts`], [`OpenZone`] (one that is not over). Source: Ye, Guo, Guo and Luo 2024,
-//! the decision model of section 3.4, which changes a route only where neither suffices. Refuses: to decide.
+//! Main types: [`ZoneAnswer`], [`ZoneCounts`], [`OpenZone`] (one in progress). Source: Ye, Guo, Guo and Luo 2024, the
+//! decision model of section 3.4, which changes a route only if neither suffices. Refuses: to decide.
 
 use giveway_floor::id::WorkerId;
 use giveway_floor::time::{Span, Time};
 
-/// A zone that comes up again within this is the same: forecasts waver.
+/// A zone that recurs within this time is the same one: forecasts waver.
 const SAME: Span = Span::from_secs(5);
 
-/// What a robot does about a zone; the later, the more it costs.
+/// A robot's answer to a zone, in order of increasing cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ZoneAnswer {
-    /// It keeps its route and its times.
+    /// Keep the route and its times.
     Keep,
-    /// It keeps its route and comes later.
+    /// Keep the route and arrive later.
     Slow,
-    /// It looks for another route.
+    /// Look for another route.
     Change,
 }
 
-/// How many zones of robots and workers were answered, each counted once when it is over, by the strongest answer.
+/// Number of zones by their strongest answer, each counted once when it is over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct ZoneCounts {
-    /// The robot kept its route and its times.
+    /// Zones for which the robot kept its route and its times.
     pub keep: u64,
-    /// The robot kept its route and came later.
+    /// Zones for which the robot kept its route and arrived later.
     pub slow: u64,
-    /// The robot looked for another route.
+    /// Zones for which the robot looked for another route.
     pub change: u64,
 }
 
@@ -42,7 +42,7 @@ impl ZoneCounts {
     }
 }
 
-/// The zone that a robot is to share with a worker.
+/// The zone that a robot will share with a worker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenZone {
     worker: WorkerId,
@@ -50,7 +50,7 @@ pub struct OpenZone {
     seen: Time,
 }
 
-/// Notes what a robot answers now, if anything, after what it answered before; counts what is over.
+/// Records the robot's present answer, if any, after its previous one; counts a zone that is over.
 pub fn note(
     before: Option<OpenZone>,
     answer: Option<(WorkerId, ZoneAnswer)>,

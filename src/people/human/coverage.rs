@@ -1,11 +1,10 @@
-//! Whether forecasts hold while the system runs, and what is done where they do not.
+//! Whether forecasts hold while the system runs, and how regions adapt if they do not.
 //!
-//! Main types: [`Coverage`] (one record for all people), [`HorizonCoverage`] (its figures). A forecast that was
-//! made is kept until it is due and compared with where the person was. Regions grow with every miss and
-//! shrink with every hit, so that they hold what they say in the long run, whatever people do (adaptive
-//! conformal inference: Gibbs and Candès 2021). Where they still do not, forecasts are not trusted, and
-//! the caller falls back on what people can reach. Refuses: people who were not seen when a forecast was
-//! due.
+//! Main types: [`Coverage`] (one record for all people), [`HorizonCoverage`] (its figures). A forecast is kept until it
+//! is due and compared with where the person was. Regions grow with every miss and shrink with every hit, so that in
+//! the long run they contain the stated share, whatever people do (adaptive conformal inference: Gibbs and Candès
+//! 2021). If they still do not, forecasts are not trusted, and the caller falls back on what people can reach. Refuses:
+//! people who were not seen when a forecast was due.
 
 use super::mixture::Mixture;
 use giveway_floor::geometry::Point;
@@ -13,37 +12,37 @@ use giveway_floor::id::WorkerId;
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Horizons that are watched, seconds.
+/// Horizons for which coverage is measured, seconds.
 pub const WATCHED_S: [f64; 3] = [0.8, 2.0, 4.8];
-/// The region that is watched.
+/// Probability of the measured region.
 const LEVEL: f64 = 0.95;
-/// Forecasts of one person are this far apart.
+/// Interval between two forecasts of one person.
 const EVERY: Span = Span::from_millis(800);
-/// A sighting this late says nothing about a forecast.
+/// A sighting later than this after a forecast's due time does not score it.
 const LATE: Span = Span::from_millis(250);
-/// How fast regions grow and shrink.
+/// Rate at which regions grow and shrink.
 const RATE: f64 = 0.04;
-/// How small and large regions may become, as factors of their standard deviations.
+/// Smallest and largest scale of regions, as factors of their standard deviations.
 const SCALES: (f64, f64) = (0.6, 3.0);
-/// Shares are those of about so many forecasts.
+/// Number of recent forecasts that shares are averaged over.
 const MEMORY: f64 = 500.0;
-/// Nothing is concluded from fewer forecasts.
+/// Least number of forecasts for any conclusion.
 const ENOUGH: u64 = 150;
-/// Coverage below the first is not trusted until it is above the second.
+/// Coverage below the first value is not trusted until it is above the second.
 const BAND: (f64, f64) = (0.88, 0.92);
 
-/// How one horizon does.
+/// Coverage at one horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HorizonCoverage {
-    /// How far ahead, seconds.
+    /// Length of the horizon, seconds.
     pub horizon_s: f64,
     /// How many forecasts have come due.
     pub forecasts: u64,
     /// Share of people who were within the stated 95 % region.
     pub covered: f64,
-    /// Factor of standard deviations by which regions have grown.
+    /// Factor by which standard deviations have grown.
     pub scale: f64,
-    /// Whether it is trusted.
+    /// Whether forecasts at this horizon are trusted.
     pub trusted: bool,
 }
 
@@ -77,17 +76,17 @@ impl Default for Coverage {
 }
 
 impl Coverage {
-    /// How all horizons do.
+    /// Coverage at all horizons.
     pub fn forecast_coverage(&self) -> &[HorizonCoverage; 3] {
         &self.horizons
     }
 
-    /// Whether forecasts are to be trusted at all.
+    /// Whether forecasts are trusted at all horizons.
     pub fn is_trusted(&self) -> bool {
         self.horizons.iter().all(|h| h.trusted)
     }
 
-    /// The factor of standard deviations for a horizon, seconds.
+    /// The factor on standard deviations at a horizon of `ahead_s` seconds.
     pub fn scale(&self, ahead_s: f64) -> f64 {
         let [a, b, c] = &self.horizons;
         let between = |p: &HorizonCoverage, q: &HorizonCoverage| {
@@ -97,7 +96,7 @@ impl Coverage {
         if ahead_s < b.horizon_s { between(a, b) } else { between(b, c) }
     }
 
-    /// Whether it is time for another forecast of a person.
+    /// Whether another forecast of a person is due.
     pub fn wants(&self, worker: WorkerId, now: Time) -> bool {
         self.made.get(&worker).is_none_or(|t| now - *t >= EVERY)
     }
@@ -112,7 +111,7 @@ impl Coverage {
         }
     }
 
-    /// A person was seen: forecasts that are due are scored.
+    /// Scores the due forecasts of a person who was seen.
     pub fn score(&mut self, worker: WorkerId, seen: Time, at: Point) {
         let Some(queue) = self.pending.get_mut(&worker) else { return };
         let horizons = &mut self.horizons;
@@ -127,7 +126,7 @@ impl Coverage {
         });
     }
 
-    /// A person was put somewhere else, or has gone: what was expected means nothing.
+    /// Drops the forecasts of a person who was relocated or has left.
     pub fn forget(&mut self, worker: WorkerId) {
         self.pending.remove(&worker);
         self.made.remove(&worker);
@@ -155,8 +154,7 @@ mod tests {
 
     const W: WorkerId = WorkerId(0);
 
-    /// A person who is a step of `error(k)` away from each forecast, whose standard deviation is stated as
-    /// 0.3 m.
+    /// A person who is a step of `error(k)` away from each forecast, whose standard deviation is stated as 0.3 m.
     fn live(coverage: &mut Coverage, from: usize, count: usize, error: impl Fn(usize) -> f64) {
         for k in from..from + count {
             let t = Time(k as i64 * 1_000_000);

@@ -1,30 +1,29 @@
-//! Does a worker keep to the assigned path?
+//! Whether a worker keeps to the assigned path.
 //!
-//! Main types: [`Follower`] (progress along one path), [`Conduct`]. The allowed area of an edge is an ellipse
-//! with the edge's ends as foci and a major axis of their distance plus `2r` (Petković 2021, section 4.3.1);
-//! its half-width is capped, since `√(r·L + r²)` grows with the length of an edge, and widened by the
-//! accuracy of the pose. Being early or late is no deviation. Refuses: to say where the worker goes instead.
+//! Main types: [`Follower`] (progress along one path), [`Conduct`]. The allowed area of an edge is an ellipse with the
+//! edge's ends as foci and a major axis of their distance plus `2r` (Petković 2021, section 4.3.1); its half-width is
+//! capped, since `√(r·L + r²)` grows with the length of an edge, and widened by the accuracy of the pose. Being early
+//! or late is no deviation. Refuses: to say where the worker goes instead.
 
 use giveway_floor::geometry::{Point, Segment};
 
-/// Radius around a node within which it is reached, and half of what the major axis exceeds the edge by,
-/// metres.
+/// Radius around a node within which it counts as reached, and half the excess of the major axis over the edge, metres.
 pub const NODE_M: f64 = 0.25;
-/// The half-width of a one-metre edge's ellipse; longer edges are allowed no more, metres.
+/// Half-width of a one-metre edge's ellipse, metres; longer edges are allowed no more.
 const HALF_WIDTH_M: f64 = 0.56;
-/// Control cycles outside before it counts as a deviation.
+/// Number of control cycles outside before a worker deviates.
 const CYCLES: u32 = 4;
-/// So many edges ahead may be entered directly: people cut corners.
+/// Number of edges ahead that may be entered directly: people cut corners.
 const AHEAD: usize = 3;
 
-/// What a worker does with respect to the path.
+/// A worker's conduct with respect to the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conduct {
     /// Within the allowed area.
     OnPath,
-    /// Outside, but not for long enough to say so.
+    /// Outside the allowed area, but not yet long enough to deviate.
     Outside,
-    /// Outside for good.
+    /// Outside the allowed area for long enough to deviate.
     Deviating,
     /// At the end of the path.
     Arrived,
@@ -40,7 +39,7 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// At the start of a path.
+    /// A follower at the start of a path.
     ///
     /// # Panics
     /// If the path has no point.
@@ -64,17 +63,17 @@ impl Follower {
         self.ahead().first().copied()
     }
 
-    /// The end.
+    /// The end of the path.
     pub fn goal(&self) -> Point {
         *self.path.last().expect("a path leads somewhere")
     }
 
-    /// How many nodes were reached.
+    /// How many nodes of the path were reached.
     pub fn progress(&self) -> usize {
         self.current
     }
 
-    /// Looks where the worker is, once per control cycle. `sigma_m` is one standard deviation of the position.
+    /// Checks the worker's position, once per control cycle. `sigma_m` is one standard deviation of it.
     pub fn observe(&mut self, at: Point, sigma_m: f64) -> Conduct {
         let r = NODE_M.hypot(2.0 * sigma_m);
         let last = self.path.len() - 1;
@@ -102,7 +101,7 @@ impl Follower {
             return conduct;
         }
         self.outside += 1;
-        // A source that is worse than a headset strays for longer before it means anything.
+        // A source less exact than a headset must stray for longer before it counts.
         let patience = CYCLES + (20.0 * (sigma_m - 0.05).max(0.0)) as u32;
         if self.outside >= patience { Conduct::Deviating } else { Conduct::Outside }
     }

@@ -1,8 +1,9 @@
-//! How far it is on foot from anywhere to each goal, as the floor is now.
+//! Distances on foot from anywhere to each goal, on the floor as it is now.
 //!
 //! Main types: [`Distances`] (goals × nodes of the walkways; the matrix F of Petković 2021, section 3.3, kept up to
-//! date by repair instead of computed anew), [`Vantage`] (one place, from which many goals are looked at). On a small
-//! floor, tiles with the same goals can lie beneath. Refuses: to know whose goals they are, and why edges are cut.
+//! date by repair instead of computed anew), [`Vantage`] (one place, from which several goals are evaluated). On a
+//! small floor, tiles with the same goals can lie beneath. Refuses: to know whose goals they are, and why edges are
+//! cut.
 
 use super::field::{Field, Graph};
 use super::tiles::Tiles;
@@ -12,22 +13,22 @@ use giveway_floor::warehouse::walkway::{EdgeSet, Walkways};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// So far a goal can be seen to be straight ahead, metres; farther ones are reached along the graph.
+/// Range within which a goal can be straight ahead, metres; farther goals are reached along the graph.
 const STRAIGHT_M: f64 = 2.5;
-/// Ways that differ by less are taken to be the same way, metres.
+/// Ways whose lengths differ by less than this count as the same way, metres.
 const SAME_WAY_M: f64 = 0.02;
-/// A cut so near to a goal may change how it is joined to the graph, metres.
+/// A cut this near to a goal may change how the goal is joined to the graph, metres.
 const AROUND_GOAL_M: f64 = 11.0;
 
 /// Distances to all goals.
 #[derive(Clone, Debug)]
 pub struct Distances {
-    /// Nothing in the open, where one walks straight anywhere.
+    /// The walkways; nothing in the open, where people walk straight anywhere.
     walkways: Option<Arc<Walkways>>,
     graph: Graph,
     cut: EdgeSet,
     goals: BTreeMap<GoalId, GoalCells>,
-    /// The same floor as tiles, if somebody asked for them.
+    /// The same floor as tiles, if requested.
     tiles: Option<Tiles>,
 }
 
@@ -38,7 +39,7 @@ struct GoalCells {
 }
 
 impl Distances {
-    /// No goals yet, and nothing in the way.
+    /// Distances without goals and without cut edges.
     pub fn over(walkways: Arc<Walkways>) -> Distances {
         let edges: Vec<(usize, usize, f64)> =
             walkways.edges().iter().map(|e| (e.a.ix(), e.b.ix(), e.length_m)).collect();
@@ -47,7 +48,7 @@ impl Distances {
         Distances { cut, walkways: Some(walkways), graph, goals, tiles: None }
     }
 
-    /// With tiles of the same floor, which get the goals that are added from now on.
+    /// Adds tiles of the same floor, which get the goals that are added from now on.
     pub fn with_tiles(self, tiles: Tiles) -> Distances {
         Distances { tiles: Some(tiles), ..self }
     }
@@ -90,17 +91,17 @@ impl Distances {
         }
     }
 
-    /// All goals and where they are.
+    /// All goals with their positions.
     pub fn goals(&self) -> impl Iterator<Item = (GoalId, Point)> {
         self.goals.iter().map(|(id, goal)| (*id, goal.at))
     }
 
-    /// Where a goal is.
+    /// Position of a goal.
     pub fn place(&self, goal: GoalId) -> Option<Point> {
         self.goals.get(&goal).map(|g| g.at)
     }
 
-    /// Makes `cut` the edges that are cut. Only what changed is repaired.
+    /// Makes `cut` the set of cut edges, and repairs only what changed.
     pub fn set_cut(&mut self, cut: &EdgeSet) {
         if *cut == self.cut {
             return;
@@ -125,30 +126,30 @@ impl Distances {
         walkways.doorsteps(at, &self.cut).into_iter().map(|(n, m)| (n.ix(), m)).collect()
     }
 
-    /// Metres from a node of the walkways to a goal; nothing where the goal is unknown or no way leads to it.
+    /// Metres from a node of the walkways to a goal; nothing if the goal is unknown or no way leads to it.
     pub fn from_node(&self, n: WalkNodeId, goal: GoalId) -> Option<f64> {
         self.goals.get(&goal)?.field.metres(n.ix())
     }
 
-    /// What one place sees of the walkways: ask it for several goals.
+    /// The walkways as seen from one place, to evaluate several goals.
     pub fn from(&self, at: Point) -> Vantage<'_> {
         let Some(walkways) = &self.walkways else { return Vantage { all: self, at, steps: Vec::new() } };
         let at = walkways.on_floor(at).unwrap_or(at);
         Vantage { all: self, at, steps: walkways.doorsteps(at, &self.cut) }
     }
 
-    /// Metres from a point to a goal; nothing where no way leads there.
+    /// Metres from a point to a goal; nothing if no way leads there.
     pub fn to_goal(&self, goal: GoalId, at: Point) -> Option<f64> {
         self.from(at).to_goal(goal)
     }
 
-    /// In which direction the way to a goal begins, radians.
+    /// The direction in which the way to a goal begins, radians.
     pub fn towards(&self, goal: GoalId, at: Point) -> Option<f64> {
         self.from(at).towards(goal)
     }
 }
 
-/// One place, with the nodes to which one can walk straight from there.
+/// One place, with the nodes that can be reached straight from there.
 #[derive(Clone, Debug)]
 pub struct Vantage<'a> {
     all: &'a Distances,
@@ -162,7 +163,7 @@ impl Vantage<'_> {
         &self.steps
     }
 
-    /// Where the goal is, if one can walk straight to it.
+    /// Position of the goal, if it can be reached straight.
     fn straight(&self, goal: GoalId) -> Option<(Point, f64)> {
         let to = self.all.place(goal)?;
         let away = (to - self.at).norm();
@@ -170,7 +171,7 @@ impl Vantage<'_> {
         (away <= STRAIGHT_M && walkways.sees_past(self.at, to, &self.all.cut)).then_some((to, away))
     }
 
-    /// Ways over each node in sight: the node's place, its distance, metres in all.
+    /// Ways over each node in sight: the node's position, its distance, and the total length, metres.
     fn ways(&self, goal: GoalId) -> impl Iterator<Item = (Point, f64, f64)> {
         let nodes = self
             .all
@@ -189,7 +190,7 @@ impl Vantage<'_> {
         self.ways(goal).map(|(.., all)| all).min_by(f64::total_cmp)
     }
 
-    /// In which direction the way to a goal begins, radians: towards the farthest node in sight on it, so that a
+    /// The direction in which the way to a goal begins, radians: towards the farthest node in sight on it, so that a
     /// node close by does not turn it.
     pub fn towards(&self, goal: GoalId) -> Option<f64> {
         let target = match self.straight(goal) {

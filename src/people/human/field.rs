@@ -1,22 +1,22 @@
 //! Shortest distances from all nodes of a graph to one goal, repaired when edges are cut or restored.
 //!
-//! Main types: [`Graph`] (undirected, lengths on edges), [`Field`] (one goal). A repair looks only at nodes whose
-//! distance changes and at their neighbours (Ramalingam and Reps 1996, for a batch of changes). Distances are whole
-//! tenths of a millimetre, so that a repaired field is exactly what a new computation gives. Refuses: infinity; what
-//! cannot be reached has no distance.
+//! Main types: [`Graph`] (undirected, lengths on edges), [`Field`] (one goal). A repair visits only nodes whose
+//! distance changes and their neighbours (Ramalingam and Reps 1996, for a batch of changes). Distances are whole tenths
+//! of a millimetre, so that a repaired field equals a new computation exactly. Refuses: infinity; an unreachable node
+//! has no distance.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Tenths of a millimetre in a metre.
 const PER_METRE: f64 = 10_000.0;
-/// No distance.
+/// Value of an unreachable node.
 const NONE: u32 = u32::MAX;
 
 /// An undirected graph with lengths.
 #[derive(Clone, Debug)]
 pub struct Graph {
-    /// Where the links of each node begin, and the end of the last.
+    /// Where the links of each node begin, and the end of the last node's.
     start: Vec<u32>,
     links: Vec<FieldEdge>,
     ends: Vec<(u32, u32)>,
@@ -29,13 +29,13 @@ struct FieldEdge {
     length: u32,
 }
 
-/// Metres as whole units, at least one: edges without length would let a repair miss nodes.
+/// Metres as whole units, at least one: edges of length zero would let a repair miss nodes.
 fn units(metres: f64) -> u32 {
     (metres * PER_METRE).round().clamp(1.0, f64::from(NONE / 4)) as u32
 }
 
 impl Graph {
-    /// The graph of `nodes` nodes with these edges: ends and length in metres.
+    /// The graph of `nodes` nodes with these edges: ends, and length in metres.
     pub fn new(nodes: usize, edges: &[(usize, usize, f64)]) -> Graph {
         let mut start = vec![0; nodes + 1];
         for &(a, b, _) in edges {
@@ -57,12 +57,12 @@ impl Graph {
         Graph { start, links, ends: edges.iter().map(|e| (e.0 as u32, e.1 as u32)).collect() }
     }
 
-    /// How many nodes.
+    /// Number of nodes.
     pub fn nodes(&self) -> usize {
         self.start.len() - 1
     }
 
-    /// How many edges.
+    /// Number of edges.
     pub fn edges(&self) -> usize {
         self.ends.len()
     }
@@ -76,14 +76,14 @@ impl Graph {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
     distance: Vec<u32>,
-    /// Sorted by node.
+    /// Nodes joined directly to the goal, with their distances; sorted by node.
     seeds: Vec<(u32, u32)>,
     /// Scratch: whether a node lost its distance in the present repair.
     lost: Vec<bool>,
 }
 
 impl Field {
-    /// All distances anew; `open` says which edges are not cut, seeds are nodes with metres, sorted by node.
+    /// Computes all distances; `open` says which edges are not cut, seeds are nodes with metres, sorted by node.
     pub fn new(graph: &Graph, seeds: &[(usize, f64)], open: impl Fn(usize) -> bool) -> Field {
         let nodes = graph.nodes();
         let mut field = Field { distance: vec![NONE; nodes], seeds: Vec::new(), lost: vec![false; nodes] };
@@ -91,14 +91,14 @@ impl Field {
         field
     }
 
-    /// Metres from a node to the goal; nothing where no way leads there.
+    /// Metres from a node to the goal; nothing if no way leads there.
     pub fn metres(&self, n: usize) -> Option<f64> {
         let units = self.distance[n];
         (units != NONE).then(|| f64::from(units) / PER_METRE)
     }
 
-    /// Brings the distances up to date after `changed` edges were cut or restored and, where given, the seeds
-    /// replaced; `open` is the new state. Returns how many nodes were looked at.
+    /// Updates the distances after the `changed` edges were cut or restored and, if given, the seeds replaced; `open`
+    /// is the new state. Returns how many nodes were visited.
     pub fn repair(
         &mut self,
         graph: &Graph,
@@ -127,8 +127,8 @@ impl Field {
         touched.len() + lost.len() + settled
     }
 
-    /// Takes the distance from all nodes that no neighbour supports any more. Nearest first: a node that supports
-    /// another is nearer than it, and so already looked at.
+    /// Removes the distance of all nodes that no neighbour supports any more. Nearest first: a node that supports
+    /// another is nearer, and so already checked.
     fn lose(&mut self, graph: &Graph, touched: &[u32], open: &impl Fn(usize) -> bool) -> Vec<u32> {
         let mut queue: BinaryHeap<Reverse<(u32, u32)>> =
             touched.iter().map(|n| Reverse((self.distance[*n as usize], *n))).collect();
@@ -168,14 +168,14 @@ impl Field {
         self.seeds.binary_search_by_key(&(n as u32), |s| s.0).map_or(NONE, |i| self.seeds[i].1)
     }
 
-    /// The best distance that a node can have from its neighbours.
+    /// The best distance that a node can get from its neighbours.
     fn offer(&self, graph: &Graph, n: usize, open: &impl Fn(usize) -> bool) -> u32 {
         let links = graph.links(n).iter().filter(|l| open(l.edge as usize));
         let via = links.filter_map(|l| self.distance[l.to as usize].checked_add(l.length));
         via.min().unwrap_or(NONE).min(self.seed(n))
     }
 
-    /// Dijkstra from the nodes whose distance fell.
+    /// Runs Dijkstra from the nodes whose distance fell.
     fn spread(
         &mut self,
         graph: &Graph,

@@ -1,8 +1,8 @@
-//! Where a person will be at some moment, as a probability over places.
+//! Where a person will be at a given moment, as a probability over places.
 //!
-//! Main types: [`Forecast`] (what is believed of one person now), [`Shapes`] (learned figures: how far people
-//! are from where each kind of prediction has them). A prediction is a mixture of three kinds: going on as
-//! now, following the way to a goal, and staying. Refuses: occupancies of nodes, and robots.
+//! Main types: [`Forecast`] (the belief about one person now), [`Shapes`] (learned errors of each kind of prediction).
+//! A prediction is a mixture of three kinds: going on as now, following the way to a goal, and staying. Refuses:
+//! occupancies of nodes, and robots.
 
 use super::mixture::{Mixture, Part};
 use super::motion::{Ahead, Motion};
@@ -14,13 +14,13 @@ use serde::{Deserialize, Serialize};
 
 /// Horizons of the learned figures: multiples of 0.4 s up to 4.8 s.
 pub const HORIZONS: usize = 12;
-/// The first horizon and the distance between horizons, seconds.
+/// The first horizon, and the interval between horizons, seconds.
 pub const HORIZON_S: f64 = 0.4;
-/// Classes of speed: standing, slow, walking, brisk.
+/// Number of speed classes: standing, slow, walking, brisk.
 pub const CLASSES: usize = 4;
-/// Where classes part, metres per second.
+/// Boundaries between speed classes, metres per second.
 const BOUNDS_MPS: [f64; 3] = [0.3, 0.8, 1.2];
-/// Whoever walks to a goal is taken to walk at least this fast, metres per second.
+/// Least speed assumed for a person who walks to a goal, metres per second.
 const PACE_MPS: f64 = 0.25;
 
 /// The class of a speed.
@@ -28,34 +28,34 @@ pub fn class_of(speed_mps: f64) -> usize {
     BOUNDS_MPS.iter().filter(|b| speed_mps >= **b).count()
 }
 
-/// How far people are from where one kind of prediction has them, along and across the way, metres. People
-/// who do about the expected are a tight Gaussian, the others a wide one around the same place.
+/// Errors of one kind of prediction, along and across the way, metres. People who do roughly what is expected form a
+/// tight Gaussian, the others a wide one around the same place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Kernel {
-    /// Its share of the whole.
+    /// Share of this kind in the whole.
     pub weight: f64,
-    /// How much farther on than predicted people are on average.
+    /// Mean distance by which people are farther on than predicted, metres.
     pub shift_m: f64,
-    /// Standard deviations along and across of the tight part.
+    /// Standard deviations of the tight part, along and across.
     pub tight_m: [f64; 2],
-    /// The same of the wide part.
+    /// Standard deviations of the wide part, along and across.
     pub wide_m: [f64; 2],
     /// Share of the wide part.
     pub wide_share: f64,
 }
 
-/// The three kinds at one horizon.
+/// The three kinds of prediction at one horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HorizonShape {
     /// Going on as now.
     pub drive: Kernel,
-    /// Following the way to a goal; the weight is shared by goals as they are believed in.
+    /// Following the way to a goal; the weight is shared among goals by their probabilities.
     pub goal: Kernel,
     /// Staying about here.
     pub stay: Kernel,
-    /// All standard deviations are multiplied by this, so that regions hold as many people as they say.
+    /// Factor on all standard deviations, so that regions contain as many people as stated.
     pub scale: f64,
 }
 
@@ -63,14 +63,14 @@ pub struct HorizonShape {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shapes {
-    /// In this time people change from going on as now to following the way to their goal, seconds.
+    /// Time in which people change from going on as now to following the way to their goal, seconds.
     pub blend_s: f64,
     /// One list of [`HORIZONS`] for each class of speed.
     pub classes: Vec<Vec<HorizonShape>>,
 }
 
 impl HorizonShape {
-    /// Between two shapes: `share` of the second.
+    /// Interpolates between two shapes: `share` of the second.
     fn between(&self, other: &HorizonShape, share: f64) -> HorizonShape {
         let kernel = |a: &Kernel, b: &Kernel| {
             let mix = |x: f64, y: f64| x + (y - x) * share;
@@ -91,7 +91,7 @@ impl HorizonShape {
         }
     }
 
-    /// Of the first horizon, drawn together towards now: at no distance in time there is no error.
+    /// The shape before the first horizon, shrunk towards now: at zero time ahead there is no error.
     fn shrunk(mut self, share: f64) -> HorizonShape {
         for k in [&mut self.drive, &mut self.goal, &mut self.stay] {
             k.shift_m *= share;
@@ -102,7 +102,7 @@ impl HorizonShape {
         self
     }
 
-    /// Of the last horizon, growing on by `metres` in all directions.
+    /// The shape beyond the last horizon, grown by `metres` in all directions.
     fn grown(mut self, metres: f64) -> HorizonShape {
         for k in [&mut self.drive, &mut self.goal, &mut self.stay] {
             k.tight_m.iter_mut().chain(&mut k.wide_m).for_each(|s| *s += metres);
@@ -111,11 +111,11 @@ impl HorizonShape {
     }
 }
 
-/// How much standard deviations grow beyond the last horizon, metres per second.
+/// Growth of standard deviations beyond the last horizon, metres per second.
 const GROWTH_MPS: f64 = 0.4;
 
 impl Shapes {
-    /// The figures for a class of speed at `ahead_s` seconds ahead.
+    /// The shape for a class of speed at `ahead_s` seconds ahead.
     pub fn at(&self, class: usize, ahead_s: f64) -> HorizonShape {
         let shapes = &self.classes[class];
         let position = ahead_s / HORIZON_S - 1.0;
@@ -131,35 +131,35 @@ impl Shapes {
     }
 }
 
-/// What is believed of one person now.
+/// The belief about one person now.
 #[derive(Clone, Copy, Debug)]
 pub struct Forecast<'a> {
-    /// How the person moves.
+    /// The person's motion filter.
     pub motion: &'a Motion,
-    /// Ways to goals, from where the person is, with their probabilities. What is left to one is somebody who
-    /// goes to no known goal.
+    /// Ways to goals from the person's position, with their probabilities. The remainder to one is the probability that
+    /// the person goes to no known goal.
     pub ways: &'a [Hypothesis],
-    /// Figures for people with goals.
+    /// Shapes for people with goals.
     pub bound: &'a Shapes,
-    /// Figures for people of whom no goal is known.
+    /// Shapes for people without a known goal.
     pub free: &'a Shapes,
 }
 
-/// One kind of prediction at one moment: where, and in which direction the way goes there.
+/// One kind of prediction at one moment: the place, and the direction of the way there.
 #[derive(Clone, Copy, Debug)]
 pub struct Guess {
-    /// Share of this one among its kind.
+    /// Share of this guess within its kind.
     pub share: f64,
-    /// Where, before the learned shift.
+    /// Position before the learned shift.
     pub at: Point,
     /// Direction of the way, radians.
     pub along: f64,
 }
 
-/// All that figures are applied to.
+/// All guesses for one moment, to which shapes are applied.
 #[derive(Clone, Debug)]
 pub struct Guesses {
-    /// Class of speed.
+    /// The class of speed.
     pub class: usize,
     /// Going on as now.
     pub drive: Guess,
@@ -167,12 +167,12 @@ pub struct Guesses {
     pub stay: Guess,
     /// Following the way to each goal.
     pub goals: Vec<Guess>,
-    /// What is not known about where the person is and how it moves now.
+    /// Covariance of the person's position as carried forward from what is not known now, m².
     pub doubt: Matrix2<f64>,
 }
 
 impl Forecast<'_> {
-    /// The guesses for a moment at `t`; nothing before anything was seen. `blend_s` is that of [`Shapes`].
+    /// The guesses for time `t`; nothing before the first sighting. `blend_s` is that of [`Shapes`].
     pub fn guesses(&self, t: Time, blend_s: f64) -> Option<Guesses> {
         let seen = self.motion.seen()?;
         let (now, then) = (self.motion.ahead(seen)?, self.motion.carried(t)?);
@@ -191,9 +191,9 @@ impl Forecast<'_> {
         Some(Guesses { class: class_of(speed), drive, stay, goals: goals.collect(), doubt: then.cov })
     }
 
-    /// The one place that is least wrong: the mean over ways to goals, as far as goals are known, and where
-    /// the filter has the person otherwise. People without goals stop in some places and never in others;
-    /// going on is the guess that does everywhere.
+    /// The single place with the least error: as far as goals are known, the mean over the ways to them; otherwise
+    /// where the filter has the person. People without goals stop in some places and never in others; going on is the
+    /// guess that works everywhere.
     pub fn point(&self, t: Time) -> Option<Point> {
         let ahead_s = (t - self.motion.seen()?).max(Span::ZERO).as_secs_f64();
         let known: f64 = self.ways.iter().map(|w| w.probability).sum::<f64>().clamp(0.0, 1.0);
@@ -206,7 +206,7 @@ impl Forecast<'_> {
         Some(guesses.drive.at + (mean - guesses.drive.at) * known)
     }
 
-    /// Where the person will be at `t`; nothing before anything was seen.
+    /// The forecast for `t`; nothing before the first sighting.
     pub fn at(&self, t: Time) -> Option<Mixture> {
         let ahead_s = (t - self.motion.seen()?).max(Span::ZERO).as_secs_f64();
         let known: f64 = self.ways.iter().map(|w| w.probability).sum::<f64>().clamp(0.0, 1.0);
@@ -223,13 +223,13 @@ impl Forecast<'_> {
     }
 }
 
-/// Where somebody comes to rest who stops now: speed is lost in half a second.
+/// Where a person who stops now comes to rest: the speed fades within half a second.
 fn run_out(now: &Ahead, ahead_s: f64) -> Point {
     const HALT_S: f64 = 0.5;
     now.at + now.velocity * (HALT_S * (1.0 - (-ahead_s / HALT_S).exp()))
 }
 
-/// The point after `metres` of a path and the direction in which it lies; its end beyond.
+/// The point after `metres` along a path, and its direction from the start; beyond the end, the end.
 fn walked(path: &[Point], metres: f64) -> (Point, f64) {
     let start = path.first().copied().unwrap_or(Point::origin());
     let (mut left, mut at) = (metres, start);
@@ -247,7 +247,7 @@ fn walked(path: &[Point], metres: f64) -> (Point, f64) {
 }
 
 impl HorizonShape {
-    /// Adds the parts of a mixture with `share` of the whole.
+    /// Adds the parts of this shape to a mixture, with `share` of the whole.
     pub fn parts(&self, g: &Guesses, share: f64, parts: &mut Vec<Part>) {
         let goal = if g.goals.is_empty() { 0.0 } else { self.goal.weight };
         let total = self.drive.weight + self.stay.weight + goal;
@@ -279,7 +279,7 @@ mod tests {
     use crate::human::Model;
     use crate::human::motion::Fix;
 
-    /// Somebody who walks along x at 1.2 m/s and is at the origin now; `sigma_m` is what the source says.
+    /// A person who walks along x at 1.2 m/s and is at the origin now; `sigma_m` is what the source states.
     fn walker(sigma_m: f64) -> (Motion, Time) {
         let mut motion = Motion::new(Model::builtin().motion);
         let mut t = Time::ZERO;
@@ -339,7 +339,7 @@ mod tests {
     #[test]
     fn whoever_is_not_seen_spreads_and_does_not_freeze() {
         let (motion, now) = walker(0.02);
-        // Asked late, about the same distance into the future of the last sighting: time has passed.
+        // A later query about the same time after the last sighting gives a wider area, since time has passed.
         let soon = ahead(&motion, &[], |o| o.at(now + Span::from_millis(1000))).unwrap().area(0.95);
         let late = ahead(&motion, &[], |o| o.at(now + Span::from_millis(3000))).unwrap().area(0.95);
         assert!(late > 3.0 * soon, "{soon} and {late}");

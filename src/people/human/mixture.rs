@@ -1,7 +1,7 @@
 //! A probability over places, as a sum of Gaussians.
 //!
 //! Main types: [`Part`], [`Mixture`]. Regions are those of highest density, so a region of several parts is several
-//! islands and never the rack between them. Refuses: to know when, and of whom.
+//! islands and never the rack between them. Refuses: to know the time, and the person.
 
 use giveway_floor::geometry::{Point, Vector};
 use nalgebra::Matrix2;
@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 /// One Gaussian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Its share of the whole.
+    /// Share of this part in the whole.
     pub weight: f64,
     /// Mean, metres.
     pub mean: Point,
@@ -20,7 +20,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// Density at a place, per m², weighted.
+    /// Weighted density at a place, per m².
     fn density(&self, at: Point) -> f64 {
         let (a, b, c) = (self.cov[(0, 0)], self.cov[(0, 1)], self.cov[(1, 1)]);
         let determinant = (a * c - b * b).max(1e-18);
@@ -29,7 +29,7 @@ impl Part {
         self.weight * (-0.5 * square).exp() / (TAU * determinant.sqrt())
     }
 
-    /// A square root of the covariance: lower triangular.
+    /// The lower triangular square root of the covariance.
     fn root(&self) -> [f64; 3] {
         let a = self.cov[(0, 0)].max(1e-12).sqrt();
         let b = self.cov[(0, 1)] / a;
@@ -38,8 +38,8 @@ impl Part {
 }
 
 impl Part {
-    /// Which of [`PLACES`] that are spread like this part lie in a rectangle along the axes, bit by bit. The same place
-    /// of a later forecast's part lies to the same side of its middle.
+    /// Which of [`PLACES`], spread like this part, lie in an axis-aligned rectangle, as bits. The same place of a later
+    /// forecast's part lies to the same side of its middle.
     pub fn places_within(&self, low: Point, high: Point) -> u64 {
         let [a, b, c] = self.root();
         let reach = FARTHEST * (self.cov[(0, 0)] + self.cov[(1, 1)]).sqrt();
@@ -57,8 +57,8 @@ impl Part {
 }
 
 impl Part {
-    /// [`FEW_PLACES`] of the places that are spread like this part, with their numbers. The same number of a later
-    /// forecast's part is the same person, a little later.
+    /// [`FEW_PLACES`] of the places spread like this part, with their numbers. The same number of a later forecast's
+    /// part is the same person, a little later.
     pub fn few_places(&self) -> impl Iterator<Item = (usize, Point)> {
         let ([a, b, c], mean) = (self.root(), self.mean);
         let some = NORMALS.iter().step_by(PLACES / FEW_PLACES).enumerate();
@@ -67,7 +67,7 @@ impl Part {
 }
 
 impl Part {
-    /// Both in one: same mean and covariance.
+    /// Both parts merged into one with the same mean and covariance.
     fn with(&self, other: &Part) -> Part {
         let weight = self.weight + other.weight;
         let share = other.weight / weight;
@@ -77,40 +77,40 @@ impl Part {
         Part { weight, mean: self.mean + apart * share, cov }
     }
 
-    /// What is lost at most by taking both together, as relative entropy.
+    /// Upper bound of the loss from merging both parts, as relative entropy.
     fn loss(&self, other: &Part) -> f64 {
         let log = |p: &Part| p.weight * p.cov.determinant().max(1e-18).ln();
         0.5 * (log(&self.with(other)) - log(self) - log(other))
     }
 }
 
-/// Of so many parts at most a mixture is taken together, the largest.
+/// Largest number of parts considered for merging; the largest parts are kept.
 const LOOKED_AT: usize = 12;
 
-/// Parts with less than this share are left out then.
+/// Parts with less than this share are dropped when merging.
 const SMALL: f64 = 0.02;
 
 /// Gaussians whose weights sum to one.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Mixture {
-    /// Its parts.
+    /// The Gaussians of the mixture.
     pub parts: Vec<Part>,
 }
 
-/// Places per part by which probabilities are counted.
+/// Number of places per part for counting probabilities.
 pub const PLACES: usize = 64;
 
-/// Places per part where there are many nodes to look at.
+/// Number of places per part if there are many nodes to check.
 pub const FEW_PLACES: usize = 16;
 
-/// These places for a round Gaussian.
+/// The places of a round Gaussian.
 static NORMALS: LazyLock<[(f64, f64); PLACES]> = LazyLock::new(|| std::array::from_fn(normal));
 
-/// None of them is farther out, standard deviations.
+/// No place is farther out than this, in standard deviations.
 const FARTHEST: f64 = 3.2;
 
 impl Mixture {
-    /// The mean place; nothing where there are no parts.
+    /// The mean place; nothing if there are no parts.
     pub fn mean(&self) -> Option<Point> {
         let total: f64 = self.parts.iter().map(|p| p.weight).sum();
         let sum: Vector = self.parts.iter().map(|p| p.mean.coords * p.weight).sum();
@@ -122,14 +122,14 @@ impl Mixture {
         self.parts.iter().map(|p| p.density(at)).sum()
     }
 
-    /// The probability of the smallest region of highest density that holds a place: 0 at the highest peak, near 1 far
-    /// out. The stated 95 % region holds the place if this is at most 0.95.
+    /// The probability of the smallest region of highest density that contains a place: 0 at the highest peak, near 1
+    /// far out. The stated 95 % region contains the place if this is at most 0.95.
     pub fn level(&self, at: Point) -> f64 {
         let here = self.density(at);
         self.samples().filter(|(p, _)| self.density(*p) > here).map(|(_, w)| w).sum::<f64>().min(1.0)
     }
 
-    /// Area of the smallest region with so much probability, m² (importance sampling over its own density).
+    /// Area of the smallest region with probability `level`, m² (importance sampling over its own density).
     pub fn area(&self, level: f64) -> f64 {
         let mut all: Vec<(f64, f64)> = self.samples().map(|(p, w)| (self.density(p), w)).collect();
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -144,7 +144,7 @@ impl Mixture {
         area
     }
 
-    /// Places spread like the probability itself, with weights: always the same ones, so results repeat.
+    /// Weighted places spread like the probability itself: always the same ones, so results repeat.
     fn samples(&self) -> impl Iterator<Item = (Point, f64)> + '_ {
         self.parts.iter().filter(|p| p.weight > 0.0).flat_map(|part| {
             let [a, b, c] = part.root();
@@ -155,8 +155,8 @@ impl Mixture {
         })
     }
 
-    /// About the same in at most `most` parts, to be shown: small shares are left out, and of the rest those
-    /// are taken together that lose least by it (Runnalls 2007, eq. 16), keeping mean and covariance (eqs. 2 to 4).
+    /// Approximates the mixture by at most `most` parts, for display: small shares are dropped, and of the rest the
+    /// pairs that lose least are merged (Runnalls 2007, eq. 16), keeping mean and covariance (eqs. 2 to 4).
     #[must_use]
     pub fn merged(mut self, most: usize) -> Mixture {
         self.parts.sort_by(|a, b| b.weight.total_cmp(&a.weight));
@@ -176,7 +176,7 @@ impl Mixture {
         self
     }
 
-    /// The same with all parts blown up about their means: `scale` multiplies standard deviations.
+    /// The mixture with all parts scaled about their means: `scale` multiplies standard deviations.
     #[must_use]
     pub fn scaled(mut self, scale: f64) -> Mixture {
         self.parts.iter_mut().for_each(|p| p.cov *= scale * scale);
@@ -184,8 +184,8 @@ impl Mixture {
     }
 }
 
-/// The k-th of [`PLACES`] places spread evenly under a round Gaussian: rings of equal probability, turned by the
-/// golden angle (Vogel 1979).
+/// The k-th of [`PLACES`] places spread evenly under a round Gaussian: rings of equal probability, turned by the golden
+/// angle (Vogel 1979).
 fn normal(k: usize) -> (f64, f64) {
     let share = (k as f64 + 0.5) / PLACES as f64;
     let radius = (-2.0 * (1.0 - share).ln()).sqrt();
@@ -242,7 +242,7 @@ mod tests {
         assert!((few.parts.iter().map(|p| p.weight).sum::<f64>() - 1.0).abs() < 1e-9);
         let at = |x: f64| few.parts.iter().find(|p| (p.mean.x - x).abs() < 0.01).expect("one at each place");
         assert!((at(0.15).weight - 0.6 / 0.99).abs() < 1e-9, "{few:?}");
-        // Variances add: that of each, and that of their means.
+        // Variances add: that of each part, and that of their means.
         assert!((at(0.15).cov[(0, 0)] - (0.16 + 0.0125)).abs() < 1e-9);
         assert!((at(8.1).cov[(1, 1)] - 0.25).abs() < 1e-9);
     }

@@ -1,8 +1,8 @@
 //! People as beliefs: where they are, whether they keep to their path, where they are going.
 //!
-//! Main types: [`Sighting`] (what a source says), [`Track`] (where a worker is), [`Follower`] (progress along the
+//! Main types: [`Sighting`] (what a source reports), [`Track`] (where a worker is), [`Follower`] (progress along the
 //! assigned path), [`Distances`] (from anywhere to each goal, repaired as robots block the way), [`tiles`] (how good
-//! places and headings are for each goal on a small floor), [`Intention`] (where a person is going, with what
+//! positions and headings are for each goal on a small floor), [`Intention`] (where a person is going, with what
 //! probability), [`Hypothesis`] and [`Passage`] (where a person will be, and when). Refuses: to know robots' routes,
 //! and to decide anything; modules that know both people and routes are in `aware`.
 

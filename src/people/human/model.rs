@@ -1,8 +1,8 @@
 //! All learned figures about people in one file.
 //!
-//! Main types: [`Model`], [`ModelError`]. `giveway learn` writes it, the server and simulations load it; without one
-//! the built-in figures hold, which were learned in the same way from public recordings. Refuses: figures that cannot
-//! be.
+//! Main types: [`Model`], [`ModelError`]. `giveway learn` writes the file, the server and simulations load it; without
+//! one the built-in figures apply, which were learned in the same way from public recordings. Refuses: impossible
+//! figures.
 
 use super::forecast::{CLASSES, HORIZONS, Kernel, Shapes};
 use super::intention::PurposeModel;
@@ -10,37 +10,37 @@ use super::motion::MotionModel;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, LazyLock};
 
-/// Of the form of the file.
+/// Version of the file's format.
 const VERSION: u32 = 1;
 
 /// Learned figures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
-    /// Of the form of this file.
+    /// Version of the file's format.
     pub version: u32,
-    /// What it was learned from.
+    /// The sources that the model was learned from.
     pub learned_from: Vec<String>,
-    /// Ways of moving.
+    /// Figures of the motion filter.
     pub motion: MotionModel,
-    /// Goals.
+    /// Figures of the goal recogniser.
     pub purpose: Arc<PurposeModel>,
-    /// Forecasts of people with known goals.
+    /// Forecast shapes for people with known goals.
     pub bound: Shapes,
-    /// Forecasts of people of whom no goal is known.
+    /// Forecast shapes for people without a known goal.
     pub free: Shapes,
 }
 
-/// A file that is no model.
+/// Why a file is no model.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("this is not a model of people: {0}")]
     Unreadable(#[from] serde_json::Error),
-    /// It is of another version.
+    /// The file has another version.
     #[error("the model has version {0}; this program reads version {VERSION}: learn it again")]
     Version(u32),
-    /// Its figures cannot be.
+    /// The file has impossible figures.
     #[error("the model's {0}")]
     Figures(String),
 }
@@ -58,7 +58,7 @@ impl Model {
         }
     }
 
-    /// As text, for a file.
+    /// The model as text, for a file.
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).expect("figures are numbers and names") + "\n"
     }

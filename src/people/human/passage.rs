@@ -1,8 +1,8 @@
 //! Where a worker will be, and when, with what probability.
 //!
-//! Main types: [`Hypothesis`] (a path with its probability), [`Band`] (how fast), [`Passage`] (a place, a
-//! window, a probability). Each place along a path is taken from the moment in which a fast walker enters it
-//! until a slow one has left it (Petković 2021, section 4.3.3). Refuses: to know what is at those places.
+//! Main types: [`Hypothesis`] (a path with its probability), [`Band`] (how fast), [`Passage`] (a place, a window, a
+//! probability). Each place along a path is occupied from the moment when a fast walker enters it until a slow one has
+//! left it (Petković 2021, section 4.3.3). Refuses: to know what is at those places.
 
 use giveway_floor::geometry::Point;
 use giveway_floor::time::{Span, Time, Window};
@@ -10,26 +10,26 @@ use giveway_floor::time::{Span, Time, Window};
 /// One way in which a worker may go on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hypothesis {
-    /// How probable it is.
+    /// Probability of the hypothesis.
     pub probability: f64,
-    /// From where the worker is.
+    /// Path from the worker's position.
     pub path: Vec<Point>,
-    /// How long the worker stays at the end; for ever for all that is known where nothing is.
+    /// How long the worker stays at the end; nothing if the worker may stay for ever.
     pub stay: Option<Span>,
 }
 
-/// How fast a worker walks.
+/// Range of a worker's walking speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
-    /// Hardly slower than this, metres per second.
+    /// Lower bound of the speed, metres per second.
     pub slow_mps: f64,
-    /// Hardly faster than this.
+    /// Upper bound of the speed, metres per second.
     pub fast_mps: f64,
 }
 
 impl Hypothesis {
-    /// From the arrival of a fast walker at the end of the path until a slow one has left; nothing for somebody who
-    /// stays for ever.
+    /// From the arrival of a fast walker at the end of the path until a slow one has left; nothing for a worker who may
+    /// stay for ever.
     pub fn stays(&self, band: Band, now: Time) -> Option<Window> {
         let length_m: f64 = self.path.windows(2).map(|p| (p[1] - p[0]).norm()).sum();
         let arrival = band.passes(length_m, now);
@@ -38,41 +38,41 @@ impl Hypothesis {
 }
 
 impl Band {
-    /// What is assumed of everybody whose speed is not known (safety figures of walking: 0.5 to 1.8 m/s).
+    /// The range assumed for a worker whose speed is not known (safety figures of walking: 0.5 to 1.8 m/s).
     pub const ANY: Band = Band { slow_mps: 0.5, fast_mps: 1.8 };
 
-    /// From when a fast walker comes to a place so far ahead until a slow one is gone from it.
+    /// From the arrival of a fast walker at a place `ahead_m` ahead until a slow one has left it.
     fn passes(self, ahead_m: f64, now: Time) -> Window {
         let fast = now + Span::from_secs_f64(ahead_m / self.fast_mps);
         Window::new(fast, now + Span::from_secs_f64(ahead_m / self.slow_mps) + GONE)
     }
 
-    /// Around a measured speed, metres per second. Whoever stands may start at any time.
+    /// The range around a measured speed, metres per second. A standing worker may start at any time.
     pub fn around(speed_mps: f64) -> Band {
         let slow = (0.6 * speed_mps).clamp(0.4, 0.9);
         Band { slow_mps: slow, fast_mps: (1.25 * speed_mps + 0.2).clamp(1.2, 2.2) }
     }
 }
 
-/// A place that a worker may take, and when.
+/// A place that a worker may occupy, with its window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
-    /// Which hypothesis.
+    /// Number of the hypothesis.
     pub hypothesis: usize,
-    /// Where.
+    /// Position of the place.
     pub at: Point,
-    /// When.
+    /// When the worker may be there.
     pub window: Window,
-    /// Way from where the worker is, metres.
+    /// Distance along the path from the worker's position, metres.
     pub ahead_m: f64,
 }
 
-/// How long it takes to be gone from a place, beyond the time of passing it.
+/// Time to leave a place, beyond the time of passing it.
 const GONE: Span = Span::from_millis(600);
-/// Points of a path are this far apart, metres.
+/// Distance between two places along a path, metres.
 const STEP_M: f64 = 0.4;
 
-/// The passages of one hypothesis within the next `horizon`, from `now` on.
+/// Calls `each` for the passages of one hypothesis within the next `horizon`, from `now` on.
 pub fn passages(
     index: usize,
     h: &Hypothesis,

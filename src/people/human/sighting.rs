@@ -12,57 +12,55 @@ use giveway_floor::time::Time;
 pub enum Quality {
     /// Position and heading are measured.
     Tracked,
-    /// The position is guessed by the device (last known place and a model of the neck): not for deciding where
-    /// somebody goes.
+    /// The device guesses the position (last known place and a model of the neck): not to be used for deciding where a
+    /// person goes.
     Emulated,
-    /// The device says that it does not know where it is.
+    /// The device reports that it is lost.
     Lost,
 }
 
-/// Which source of a worker's says so. A worker has one of each at most: a second headset continues what the first
-/// said.
+/// The source of a sighting. A worker has at most one of each: a second headset continues what the first reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum SourceId {
     /// A headset, a phone or a gateway with a connection of its own.
     #[default]
     Headset,
-    /// A tag, whose positions somebody reports.
+    /// A tag, whose positions another system reports.
     Tag,
     /// A device that reports like a robot (MassRobotics).
     Interop,
 }
 
 impl SourceId {
-    /// All of them: a worker has no more sources.
+    /// All sources: a worker has no more.
     pub const ALL: [SourceId; 3] = [SourceId::Headset, SourceId::Tag, SourceId::Interop];
 }
 
 /// A pose of a worker, as one source saw it. Sightings may be late, repeated, out of order or wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
-    /// Who.
+    /// The worker.
     pub worker: WorkerId,
-    /// Which of the worker's sources says so.
+    /// The worker's source of this sighting.
     pub source: SourceId,
-    /// When this was so, in the server's time.
+    /// When the pose was true, in the server's time.
     pub seen: Time,
-    /// The alignment of the source's frame. Within one epoch a displacement is a movement; across epochs it
-    /// is not.
+    /// The alignment of the source's frame. Within one epoch a displacement is a movement; across epochs it is not.
     pub epoch: u32,
-    /// Whether this epoch began with marks that were touched: only then is a place that nobody can have walked to
-    /// believed at once.
+    /// Whether this epoch began with marks that were touched: only then is a place believed at once that the worker
+    /// cannot have walked to.
     pub at_marks: bool,
     /// Number of the message within its epoch.
     pub seq: u64,
-    /// Where, metres.
+    /// Position, metres.
     pub at: Point,
-    /// Where else, as long as nothing has shown on which side of a line the worker is: the marks of a headset lie on
-    /// one line, and its frame may have an axis exchanged.
+    /// Alternative position, as long as it is unknown on which side of a line the worker is: the marks of a headset lie
+    /// on one line, and its frame may be mirrored.
     pub mirror: Option<Point>,
-    /// Where the head faces, radians; nothing for tags that know positions only.
+    /// Direction of the head, radians; nothing for tags, which know positions only.
     pub heading: Option<f64>,
-    /// One standard deviation of the position, metres.
+    /// Standard deviation of the position, metres.
     pub accuracy_m: f64,
-    /// How well the source knows.
+    /// How well the source knows the pose.
     pub quality: Quality,
 }

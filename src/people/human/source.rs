@@ -1,10 +1,10 @@
-//! What one source says of where a worker is, and whether it can be true.
+//! What one source reports about a worker's position, and whether it can be true.
 //!
 //! Main types: [`SourceTrack`], [`SourceVerdict`]. Late sightings change nothing. A place that nobody can have reached
-//! is doubted until several sightings agree on it; then the source is followed there, and the place that it left is
-//! kept in mind, because either may be the wrong one. Only marks that were touched make a new place true at once. Marks
-//! on one line leave two places open until the map or another source rules one of them out.
-//! Refuses: to compare sources with one another, which the track does.
+//! is doubted until several sightings agree on it; then the source is followed there, and the place it left is kept as
+//! an alternative, because either may be the wrong one. Only marks that were touched make a new place true at once.
+//! Marks on one line leave two places open until the map or another source rules one of them out. Refuses: to compare
+//! sources with one another, which the track does.
 
 use super::sighting::{Quality, Sighting};
 use super::track::{Presence, WALK_MPS, Whereabouts};
@@ -14,106 +14,107 @@ use std::collections::VecDeque;
 
 /// Silence up to here is normal (headsets send at 10 to 60 Hz).
 const FRESH: Span = Span::from_millis(300);
-/// Silence up to here widens the disc; beyond it nobody guesses where the worker is going.
+/// Silence up to here widens the disc; beyond it the worker's direction is not predicted.
 pub const STALE: Span = Span::from_secs(1);
 /// After this much silence the worker is lost.
 pub const LOST: Span = Span::from_secs(3);
-/// Nobody runs faster than this in a warehouse, metres per second.
+/// Greatest running speed in a warehouse, metres per second.
 const RUN_MPS: f64 = 3.0;
-/// So many sightings in a row that agree with one another move a worker to a place that cannot be reached.
+/// This many sightings in a row that agree with one another move a worker to a place that cannot be reached.
 const AGREE: usize = 5;
-/// A source that claims to know better than this is not believed, metres.
+/// Least accuracy that a source is believed to have, metres.
 const BEST_M: f64 = 0.01;
-/// What a guessed position is taken to be off by, metres.
+/// Additional error of a guessed position, metres.
 const GUESSED_M: f64 = 0.5;
-/// Positions are remembered this long for the speed.
+/// How long positions are kept for computing the velocity.
 const MEMORY: Span = Span::from_millis(1600);
 
-/// How long a person who is not seen is taken to walk straight away, at walking speed. After that a person is taken to
-/// turn anywhere after each such piece of way, so that the distance grows with the square root of time.
+/// How long an unseen person is taken to walk straight away, at walking speed. After that the person is taken to turn
+/// at random after each such stretch, so that the distance grows with the square root of time.
 const STRAIGHT: Span = Span::from_secs(3);
-/// How far an unseen person is taken to get at most, metres on foot. The wearer is told to stand while the place is not
-/// known; whoever has walked farther is seen by robots as everybody without a headset is.
+/// Greatest distance that an unseen person is taken to walk, metres on foot. The wearer is told to stand while the
+/// place is not known; robots' own scanners see a wearer who has walked farther, as they see everybody without a
+/// headset.
 const REACH_MOST_M: f64 = 8.0;
 
-/// The place that a source left by a jump is held for so long. That is time to be asked for marks and to touch them;
-/// after it the source has been consistent for longer than the jump is of interest.
+/// How long the place that a source left by a jump is kept. That is time to ask for marks and to touch them; after it
+/// the source has been consistent for longer than the jump matters.
 pub(super) const HELD: Span = Span::from_secs(30);
-/// So many places that a source left are held at once.
+/// Largest number of left places kept at once.
 const LEFT_MOST: usize = 2;
-/// A source that has jumped gives way to one that has not for so long.
+/// How long a source that has jumped ranks behind one that has not.
 const JUMPY: Span = Span::from_secs(300);
 
-/// Two places nearer to one another than this are one, metres.
+/// Two places nearer to each other than this are the same, metres.
 const SAME_M: f64 = 0.2;
 
-/// So many sightings in a row whose other place is off the map rule that side out.
+/// This many sightings in a row whose mirrored place is off the map rule that side out.
 const OFF_MAP: u32 = 10;
 
-/// What a source made of its own sighting.
+/// A source's verdict on its own sighting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SourceVerdict {
-    /// Older than its newest, or seen already.
+    /// The sighting is not newer than the newest one, or was seen already.
     Late,
-    /// The source says that it does not know.
+    /// The source reports that it is lost.
     Lost,
-    /// Nobody can have got there, and too few sightings say so.
+    /// Nobody can have got there, and too few sightings agree on it.
     Doubted,
     /// The worker has moved.
     Moved,
-    /// The worker is somewhere else without having walked there: marks were touched, or it is the first sighting.
+    /// The worker is in a new place without having walked there: marks were touched, or it is the first sighting.
     Relocated,
-    /// The worker is somewhere else, as several sightings agree that nobody could have walked to.
+    /// The worker is in a new place that nobody could have walked to, as several sightings agree.
     Jumped,
 }
 
-/// A place that a source left without a walk.
+/// A place that a source left by a jump.
 #[derive(Clone, Copy, Debug)]
 struct LeftPlace {
     /// The last sighting there.
     last: Sighting,
     /// When the source was followed to the new place.
     jumped: Time,
-    /// From where the way since is measured, and how long it was before.
+    /// Start of the distance measured since, and the distance walked before that.
     landed: Point,
     walked_m: f64,
 }
 
-/// All that one source said.
+/// The record of one source.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SourceTrack {
     newest: Option<Sighting>,
-    /// Since when the source says that it does not know.
+    /// Since when the source has reported that it is lost.
     lost_since: Option<Time>,
     memory: VecDeque<(Time, Point)>,
-    /// Sightings that could not be, one after another.
+    /// Impossible sightings, one after another.
     doubted: Vec<Sighting>,
-    /// Places that it left by jumps, oldest first.
+    /// Places that the source left by jumps, oldest first.
     left: Vec<LeftPlace>,
-    /// When it jumped last.
+    /// When the source last jumped.
     jumped: Option<Time>,
-    /// Whether another source has shown that its jump was wrong, or that it sees as in a mirror.
+    /// Whether another source has shown that its jump was wrong, or that its frame is mirrored.
     suspected: bool,
-    /// What shows, in this epoch, on which side of its marks the worker is.
+    /// Evidence, in this epoch, of the side of its marks that the worker is on.
     side: SideTrial,
 }
 
-/// Whether the other side of the marks is ruled out.
+/// Evidence on whether the other side of the marks is ruled out.
 #[derive(Clone, Copy, Debug, Default)]
 struct SideTrial {
-    /// How many sightings in a row had their other place off the map.
+    /// How many sightings in a row had their mirrored place off the map.
     off_map: u32,
-    /// Whether the map or another source has ruled it out.
+    /// Whether the map or another source has ruled the other side out.
     is_known: bool,
 }
 
 impl SourceTrack {
-    /// The newest sighting that was taken in.
+    /// The newest accepted sighting.
     pub fn newest(&self) -> Option<&Sighting> {
         self.newest.as_ref()
     }
 
-    /// Takes a sighting in whose numbers can be.
+    /// Processes a sighting whose numbers are valid.
     pub fn see(&mut self, s: &Sighting) -> SourceVerdict {
         let Some(last) = self.newest else {
             self.accept(s, SourceVerdict::Relocated);
@@ -127,7 +128,7 @@ impl SourceTrack {
             return SourceVerdict::Lost;
         }
         if s.epoch != last.epoch && s.at_marks {
-            // The wearer showed where the frame lies: what was wrong before is over.
+            // The wearer showed where the frame lies: earlier errors are over.
             (self.jumped, self.suspected) = (None, false);
             self.left.clear();
             return self.accept(s, SourceVerdict::Relocated);
@@ -165,8 +166,8 @@ impl SourceTrack {
         verdict
     }
 
-    /// A place that cannot have been reached. If several sightings agree on it, the source is followed there, and the
-    /// worker is held to be where it was, too.
+    /// Handles a place that cannot have been reached. If several sightings agree on it, the source is followed there,
+    /// and the worker may still be where it was, too.
     fn doubt(&mut self, last: &Sighting, s: &Sighting) -> SourceVerdict {
         if self.doubted.last().is_some_and(|d| !is_reachable(d, s)) {
             self.doubted.clear();
@@ -175,7 +176,7 @@ impl SourceTrack {
         if self.doubted.len() < AGREE {
             return SourceVerdict::Doubted;
         }
-        // A source that comes back to a place that it left has not left it.
+        // A source that returns to a place has not left it.
         self.left.retain(|l| (l.last.at - s.at).norm() > l.reach_m(last) + doubt_m(&l.last, s));
         self.rebase(last.at, s.at);
         if self.left.len() == LEFT_MOST {
@@ -186,22 +187,22 @@ impl SourceTrack {
         self.accept(s, SourceVerdict::Jumped)
     }
 
-    /// Notes whether the other place of the newest sighting is on the map: if it is off it for a while, the worker is
-    /// on this side of the marks.
+    /// Checks whether the mirrored place of the newest sighting is on the map: if it is off the map for a while, the
+    /// worker is on this side of the marks.
     pub fn try_side(&mut self, is_on_map: impl Fn(Point) -> bool) {
         let Some(mirror) = self.newest.and_then(|n| n.mirror) else { return };
         self.side.off_map = if is_on_map(mirror) { 0 } else { self.side.off_map + 1 };
         self.side.is_known |= self.side.off_map >= OFF_MAP;
     }
 
-    /// The newest sighting on the other side of the marks, as long as that is not ruled out.
+    /// The newest sighting on the other side of the marks, unless that side is ruled out.
     fn mirrored(&self) -> Option<Sighting> {
         let newest = self.newest.filter(|_| !self.side.is_known)?;
         newest.mirror.map(|at| Sighting { at, ..newest })
     }
 
-    /// Where the worker is if the marks of the source lie on one line and its frame has an axis exchanged; nothing if
-    /// that is ruled out, or makes no difference there.
+    /// Where the worker is if the source's marks lie on one line and its frame is mirrored; nothing if that is ruled
+    /// out, or makes no difference there.
     pub fn other_side(&self, now: Time) -> Option<Whereabouts> {
         let (other, here) = (self.mirrored()?, self.whereabouts(now)?);
         let across = other.at - here.at;
@@ -213,7 +214,7 @@ impl SourceTrack {
         Some(Whereabouts { at: other.at, velocity, heading: None, ..here })
     }
 
-    /// The source's frame has moved: the way since a jump is measured on from here.
+    /// The source's frame has moved: the distance since a jump is measured on from here.
     fn rebase(&mut self, from: Point, to: Point) {
         for l in &mut self.left {
             l.walked_m += (from - l.landed).norm();
@@ -221,7 +222,7 @@ impl SourceTrack {
         }
     }
 
-    /// The source says that it will not know any more.
+    /// The source signs off and will not know any more.
     pub fn sign_off(&mut self, now: Time) {
         if self.newest.is_some() {
             self.lost_since.get_or_insert(now);
@@ -250,12 +251,12 @@ impl SourceTrack {
         })
     }
 
-    /// Where else the worker may be, because the source left these places without a walk.
+    /// Where else the worker may be, because the source left these places by a jump.
     pub fn left(&self, now: Time) -> impl Iterator<Item = Whereabouts> {
         let held = self.left.iter().filter(move |l| now - l.jumped < HELD);
         held.filter_map(move |l| {
             let (newest, silent) = (self.newest?, self.silent(now)?);
-            // What the source says of the way since is true, whichever place is.
+            // The distance walked since is true, whichever place is.
             let walked_m = l.reach_m(&newest) + reach_m(silent);
             Some(Whereabouts {
                 at: l.last.at,
@@ -268,31 +269,30 @@ impl SourceTrack {
         })
     }
 
-    /// For how long the source has said nothing of use.
+    /// How long the source has reported nothing useful.
     pub fn silent(&self, now: Time) -> Option<Span> {
         let seen = self.newest?.seen;
         Some((now - self.lost_since.map_or(seen, |t| t.min(seen))).max(Span::ZERO))
     }
 
-    /// Whether it has jumped lately.
+    /// Whether the source has jumped recently.
     pub fn is_jumpy(&self, now: Time) -> bool {
         self.jumped.is_some_and(|t| now - t < JUMPY)
     }
 
-    /// Whether another source has shown that its jump was wrong, and it has not come back since.
+    /// Whether another source has shown that this one's jump was wrong, and it has not come back since.
     pub fn is_suspected(&self) -> bool {
         self.suspected
     }
 
-    /// Whether it can bear witness about another source: it knows, has left no place by a jump, and is on a known side
-    /// of its marks.
+    /// Whether the source can testify about another one: it knows its place, has left none by a jump, and is on a known
+    /// side of its marks.
     pub fn is_witness(&self, now: Time) -> bool {
         let knows = self.lost_since.is_none() && self.silent(now).is_some_and(|s| s <= STALE);
         knows && !self.suspected && self.left(now).next().is_none() && self.mirrored().is_none()
     }
 
-    /// Hears a witness: which of the places that it jumped from and to, or on both sides of its marks, is the right
-    /// one?
+    /// Uses a witness to decide which place is right: that before or after a jump, or on which side of the marks.
     pub fn hear_witness(&mut self, witness: &Sighting, now: Time) {
         let Some(newest) = self.newest.filter(|_| self.silent(now).is_some_and(|s| s <= STALE)) else {
             return;
@@ -303,7 +303,8 @@ impl SourceTrack {
         match (is_here, is_left || is_across) {
             (true, false) => {
                 self.side.is_known = true;
-                // It was wrong before the jump, and is right now; or it was shown to be wrong and has come back.
+                // The source was wrong before the jump, and is right now; or it was shown to be wrong and has come
+                // back.
                 if !self.suspected && !self.left.is_empty() {
                     self.jumped = None;
                 }
@@ -318,7 +319,7 @@ impl SourceTrack {
         }
     }
 
-    /// Velocity over the last moments: the worse the source, the longer they are.
+    /// Mean velocity over the recent past: the less exact the source, the longer the interval.
     fn velocity(&self) -> Vector {
         let (Some(last), Some((t, at))) = (&self.newest, self.memory.back()) else { return Vector::zeros() };
         let span = Span::from_secs_f64((0.4 + 4.0 * last.accuracy_m).clamp(0.4, 1.5));
@@ -331,13 +332,13 @@ impl SourceTrack {
 }
 
 impl LeftPlace {
-    /// How far from the place the worker is if it was the right one, by the way that the source saw since.
+    /// How far the worker is from this place if it was the right one, by the distance that the source saw since.
     fn reach_m(&self, newest: &Sighting) -> f64 {
         self.walked_m + (newest.at - self.landed).norm()
     }
 }
 
-/// How far somebody may have got who has not been seen for so long, metres on foot.
+/// How far a person may have walked who has been unseen for this long, metres on foot.
 pub(super) fn reach_m(silent: Span) -> f64 {
     let (t, straight) = (silent.as_secs_f64(), STRAIGHT.as_secs_f64());
     match silent {
@@ -347,23 +348,23 @@ pub(super) fn reach_m(silent: Span) -> f64 {
     }
 }
 
-/// One standard deviation of a position.
+/// Standard deviation of a position, metres.
 fn sigma_m(s: &Sighting) -> f64 {
     s.accuracy_m + if s.quality == Quality::Emulated { GUESSED_M } else { 0.0 }
 }
 
-/// What two positions of one place may differ by, metres.
+/// Largest difference between two positions of one place, metres.
 fn doubt_m(a: &Sighting, b: &Sighting) -> f64 {
     3.0 * (a.accuracy_m + b.accuracy_m) + 0.3
 }
 
-/// Whether somebody seen as `a` can be where `b` says, by then.
+/// Whether a person seen at `a` can be at `b` by its time.
 fn is_reachable(a: &Sighting, b: &Sighting) -> bool {
     let time = (b.seen - a.seen).as_secs_f64().max(0.0);
     (b.at - a.at).norm() <= RUN_MPS * time + doubt_m(a, b)
 }
 
-/// Whether two sources say the same, up to `reach_m`: their errors, and a walk between the two moments.
+/// Whether two sightings agree, up to `reach_m`, their errors, and a walk between the two moments.
 pub(super) fn is_near(a: &Sighting, b: &Sighting, reach_m: f64) -> bool {
     let apart = (b.seen - a.seen).as_secs_f64().abs().min(STALE.as_secs_f64());
     (b.at - a.at).norm() <= reach_m + WALK_MPS * apart + doubt_m(a, b)

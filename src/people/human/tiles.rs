@@ -1,11 +1,10 @@
-//! A small floor as tiles, with how good it is for somebody with a goal to be on each of them: a Markov decision
-//! process.
+//! A small floor as tiles, with how good each tile is for a person with a given goal: a Markov decision process.
 //!
 //! Main types: [`Tiles`] (the grid with the state values of each goal), [`Stand`], [`Action`]. Petković 2021, section
-//! 3.2, eq. 3.2 to 3.10. Differences from the print: among shortest paths the one seen most is taken by comparing
-//! (steps, −tiles seen), since the heuristic of eq. 3.1 is not admissible; bearings are absolute (eq. 3.3); where no
-//! tile of the path is seen the reward is −(ε + π); eq. 3.9 discounts by 0.9. Refuses: floors that change, and floors
-//! of more tiles than the published one: state values would take longer than a step of the fleet may.
+//! 3.2, eq. 3.2 to 3.10. Differences from the print: among shortest paths the one seen most is found by comparing
+//! (steps, −tiles seen), since the heuristic of eq. 3.1 is not admissible; bearings are absolute (eq. 3.3); if no tile
+//! of the path is seen the reward is −(ε + π); eq. 3.9 discounts by 0.9. Refuses: floors that change, and floors of
+//! more tiles than the published one: state values would take longer than a step of the fleet may.
 
 use giveway_floor::geometry::{Point, turn_between};
 use giveway_floor::id::GoalId;
@@ -15,30 +14,30 @@ use std::collections::{BTreeMap, VecDeque};
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
 
-/// How often an action goes wrong to either side (ε of eq. 3.7).
+/// Probability that an action goes wrong to either side (ε of eq. 3.7).
 const SLIP: f64 = 0.1;
-/// Reward beside the turn that is left (ε of eq. 3.8).
+/// Cost of a step besides the remaining turn (ε of eq. 3.8).
 const STEP_COST: f64 = 0.01;
 /// Discount of eq. 3.9; the print has none.
 const DISCOUNT: f64 = 0.9;
-/// Values are good when their changes sum to less (η of eq. 3.10).
+/// Values have converged when the sum of their changes is less than this (η of eq. 3.10).
 const STOP: f64 = 0.01;
 /// Half of the field of view, radians.
 const HALF_VIEW: f64 = FRAC_PI_4;
 /// Side of a tile of a warehouse, metres; about the spacing of nodes.
 const TILE_M: f64 = 1.0;
-/// As many as the published floor has: 20 × 20.
+/// Largest number of tiles, as on the published floor: 20 × 20.
 const TILES_MAX: usize = 400;
-/// A place that is on no free tile belongs to one whose middle is at most so far away, metres.
+/// A place on no free tile belongs to a free tile whose middle is at most this far away, metres.
 const BESIDE_M: f64 = 1.5;
 
 /// The floor has too many tiles for state values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the floor has {columns} × {rows} tiles of a metre, and there is room for {TILES_MAX} in all")]
 pub struct TooManyTiles {
-    /// How many from west to east.
+    /// Number of tiles from west to east.
     pub columns: usize,
-    /// How many from south to north.
+    /// Number of tiles from south to north.
     pub rows: usize,
 }
 
@@ -53,7 +52,7 @@ pub struct Stand {
     pub eighth: usize,
 }
 
-/// What a person can do in a step (eq. 3.6).
+/// An action of a person in a step (eq. 3.6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// One tile north.
@@ -68,7 +67,7 @@ pub enum Action {
     TurnRight,
     /// An eighth anticlockwise.
     TurnLeft,
-    /// Nothing.
+    /// No motion.
     Stay,
 }
 
@@ -82,10 +81,10 @@ const ACTIONS: [Action; 7] = [
     Action::Stay,
 ];
 
-/// A grid of tiles with goals, and how good it is to be where for each goal.
+/// A grid of tiles with goals, and how good each tile is for each goal.
 #[derive(Clone, Debug)]
 pub struct Tiles {
-    /// The middle of the tile in the south-west.
+    /// The middle of the south-western tile.
     origin: Point,
     columns: usize,
     rows: usize,
@@ -97,14 +96,14 @@ pub struct Tiles {
 
 #[derive(Clone, Debug)]
 struct TileGoal {
-    /// Its tile; nothing where there is no free one near.
+    /// The goal's tile; nothing if there is no free one near.
     tile: Option<usize>,
     /// The value of each tile and heading.
     values: Arc<[f64]>,
 }
 
 impl Tiles {
-    /// Reads a drawing, north up: `#` is taken, digits are goals in their order, everything else is free.
+    /// Reads a drawing, north up: `#` is blocked, digits are goals in their order, everything else is free.
     pub fn drawn(drawing: &str) -> Tiles {
         let lines: Vec<Vec<char>> = drawing.lines().map(|l| l.trim().chars().collect()).collect();
         let lines: Vec<Vec<char>> = lines.into_iter().filter(|l: &Vec<char>| !l.is_empty()).collect();
@@ -121,10 +120,10 @@ impl Tiles {
         tiles
     }
 
-    /// Tiles over a building, free where people may walk, with a node in the middle of a tile. No goals yet.
+    /// Tiles over a building, free where people may walk, with a node in the middle of a tile; without goals.
     ///
     /// # Errors
-    /// If there are more than can be judged.
+    /// If there are more tiles than can be evaluated.
     pub fn of(w: &Warehouse, walkways: &Walkways) -> Result<Tiles, TooManyTiles> {
         let (origin, (columns, rows)) = Tiles::over(w)?;
         let middle = |i: usize| tile_middle(origin, columns, i);
@@ -135,16 +134,16 @@ impl Tiles {
     /// Whether a building has few enough tiles.
     ///
     /// # Errors
-    /// If there are more than can be judged.
+    /// If there are more tiles than can be evaluated.
     pub fn fit(w: &Warehouse) -> Result<(), TooManyTiles> {
         Tiles::over(w).map(|_| ())
     }
 
-    /// Where tiles begin, and how many there are each way.
+    /// Position of the first tile, and the number of tiles each way.
     fn over(w: &Warehouse) -> Result<(Point, (usize, usize)), TooManyTiles> {
         let (low, high) = w.bounds();
         let node = w.nodes.iter().map(|n| n.at).next().unwrap_or(low);
-        // The last middle west and south of the corner, in step with the nodes.
+        // The last tile middle west and south of the corner, aligned with the nodes.
         let first = |low: f64, node: f64| node - ((node - low) / TILE_M - 1e-9).ceil() * TILE_M;
         let origin = Point::new(first(low.x, node.x), first(low.y, node.y));
         let count = |low: f64, high: f64| ((high - low) / TILE_M + 1e-9).ceil().max(0.0) as usize + 1;
@@ -162,7 +161,7 @@ impl Tiles {
         tiles
     }
 
-    /// Adds a goal, or moves it, and works out the state values for it.
+    /// Adds a goal, or moves it, and computes its state values.
     pub fn add_goal(&mut self, goal: GoalId, at: Point) {
         let tile = self.tile_at(at);
         let values = tile.map_or_else(Vec::new, |tile| self.iterate(tile)).into();
@@ -179,12 +178,12 @@ impl Tiles {
         self.goals.keys().copied()
     }
 
-    /// The middle of tile number `i`.
+    /// The position of the middle of tile number `i`.
     fn middle(&self, i: usize) -> Point {
         tile_middle(self.origin, self.columns, i)
     }
 
-    /// The middle of a tile, in metres.
+    /// The position of the middle of a tile, in metres.
     pub fn place(&self, s: Stand) -> Point {
         self.middle(s.y * self.columns + s.x)
     }
@@ -196,14 +195,14 @@ impl Tiles {
         free.min_by(|a, b| away(a).total_cmp(&away(b))).filter(|i| away(i) <= BESIDE_M)
     }
 
-    /// Where somebody stands who is at a place and faces somewhere; nothing where no free tile is near.
+    /// The stand of a person at a place with a heading; nothing if no free tile is near.
     pub fn stand_at(&self, p: Point, heading: f64) -> Option<Stand> {
         let tile = self.tile_at(p)?;
         let eighth = (heading / FRAC_PI_4).round().rem_euclid(8.0) as usize % 8;
         Some(Stand { x: tile % self.columns, y: tile / self.columns, eighth })
     }
 
-    /// Columns and rows.
+    /// Number of columns and rows.
     pub fn size(&self) -> (usize, usize) {
         (self.columns, self.rows)
     }
@@ -213,7 +212,7 @@ impl Tiles {
         x < self.columns && y < self.rows && self.free[y * self.columns + x]
     }
 
-    /// Where an action leads, or nothing where a taken tile or the border is in the way.
+    /// Where an action leads; nothing if a blocked tile or the border is in the way.
     pub fn after(&self, s: Stand, action: Action) -> Option<Stand> {
         let moved = |dx: isize, dy: isize| {
             let (x, y) = (s.x.checked_add_signed(dx)?, s.y.checked_add_signed(dy)?);
@@ -260,7 +259,7 @@ impl Tiles {
         ACTIONS[..4].iter().filter_map(move |a| self.after(s, *a)).map(|s| s.y * self.columns + s.x)
     }
 
-    /// Steps from each tile to a goal.
+    /// Number of steps from each tile to a goal.
     fn steps_to(&self, goal: usize) -> Vec<usize> {
         let mut steps = vec![usize::MAX; self.free.len()];
         let mut queue = VecDeque::from([goal]);
@@ -276,8 +275,8 @@ impl Tiles {
         steps
     }
 
-    /// The mean bearing of the tiles that the person sees of the shortest path that it sees most of (eq. 3.2);
-    /// nothing where it sees none.
+    /// The mean bearing of the visible tiles of the shortest path that the person sees most of (eq. 3.2); nothing if
+    /// none is visible.
     fn bearing(&self, s: Stand, steps: &[usize], order: &[usize]) -> Option<f64> {
         let here = s.y * self.columns + s.x;
         let bearing = |i: usize| {
@@ -325,7 +324,7 @@ impl Tiles {
         (0..self.free.len() * 8).map(reward).collect()
     }
 
-    /// Where an action leads with what probability (eq. 3.7); what is impossible becomes to stay.
+    /// Where an action leads, with probabilities (eq. 3.7); an impossible move becomes staying.
     fn outcomes(&self, s: Stand, action: Action) -> [(usize, f64); 3] {
         let sure = 1.0 - 2.0 * SLIP;
         let outcomes = match action {
@@ -339,7 +338,7 @@ impl Tiles {
         outcomes.map(|(a, p)| (self.index(self.after(s, a).unwrap_or(s)), p))
     }
 
-    /// Value iteration (eq. 3.9, 3.10). The value of a state holds its own reward.
+    /// Value iteration (eq. 3.9, 3.10). The value of a state includes its own reward.
     fn iterate(&self, goal: usize) -> Vec<f64> {
         let rewards = self.rewards(goal);
         let states: Vec<usize> = (0..rewards.len()).filter(|i| self.free[i / 8]).collect();
@@ -361,8 +360,8 @@ impl Tiles {
         }
     }
 
-    /// How good an action is for each of some goals: 1 for the best there is in that state, 0 for the worst; 0 for a
-    /// goal that is on no tile.
+    /// How good an action is for each of `goals`: 1 for the best possible in that state, 0 for the worst; 0 for a goal
+    /// that is on no tile.
     pub fn validate(&self, s: Stand, action: Action, goals: &[GoalId]) -> Vec<f64> {
         let gain = |values: &[f64], a: Action| -> f64 {
             self.outcomes(s, a).iter().map(|(i, p)| p * values[*i]).sum()

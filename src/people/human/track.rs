@@ -1,10 +1,10 @@
-//! Where one worker is, from what sources say: those that agree give one place, those that do not give several, and
-//! silence widens it.
+//! Where one worker is, from all sources: agreeing sources give one place, disagreeing ones several, and silence widens
+//! it.
 //!
 //! Main types: [`Track`], [`SightingOutcome`], [`Presence`], [`Whereabouts`]. Every kind of bad sighting has one
 //! answer: late and repeated ones are ignored; jumps are ignored until several agree on the new place, and then the
-//! worker is held to be at both; what cannot be true is refused; silence grows the disc in which the worker may be. One
-//! source leads, the most trusted and then the most exact; one that knows nothing is not missed while another one does.
+//! worker may be at both; impossible ones are refused; silence grows the disc in which the worker may be. One source
+//! leads, the most trusted and then the most exact; a source that knows nothing is not missed while another one knows.
 //! Refuses: to guess where anybody is going.
 
 use super::sighting::{Sighting, SourceId};
@@ -14,33 +14,33 @@ use giveway_floor::time::{Span, Time};
 
 pub use super::source::{LOST, STALE};
 
-/// Walking speed that is assumed of everybody who might walk, metres per second (ISO 13855).
+/// Walking speed assumed of everybody who might walk, metres per second (ISO 13855).
 pub const WALK_MPS: f64 = 1.6;
-/// Clocks and predicted display times may be ahead by this.
+/// How far clocks and predicted display times may be ahead.
 const AHEAD: Span = Span::from_millis(150);
-/// Another source of equal trust takes the lead if it is better by this factor and so many metres more: so the lead
-/// does not go to and fro.
+/// Another source of equal trust takes the lead if it is better by this factor and this many metres more, so that the
+/// lead does not switch back and forth.
 const BETTER: (f64, f64) = (1.5, 0.1);
 
-/// One standard deviation of a place that the journal or a supervisor gives, metres.
+/// Standard deviation of a place that the journal or a supervisor gives, metres.
 const REMEMBERED_M: f64 = 0.3;
 
-/// How well a worker's place is known.
+/// How well a worker's position is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Presence {
     /// Not on the floor.
     #[default]
     Absent,
-    /// Seen lately.
+    /// Seen recently.
     Tracked,
-    /// Not seen for a moment; the region around the last place grows.
+    /// Not seen for a moment; the region around the last position grows.
     Stale,
-    /// Not seen for long: robots stand in all that could be reached, until somebody sees or clears it.
+    /// Not seen for long: robots stop in everything within reach until the worker is seen or cleared.
     Lost,
 }
 
 impl Presence {
-    /// The word for it on the wire.
+    /// The state's word on the wire.
     pub fn word(self) -> &'static str {
         match self {
             Presence::Absent => "absent",
@@ -51,16 +51,16 @@ impl Presence {
     }
 }
 
-/// How many sightings a source sent, and what became of them.
+/// Counts of a source's sightings by outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Hash)]
 pub struct FeedCounts {
-    /// Taken in.
+    /// Accepted sightings.
     pub taken: u64,
-    /// Older than the newest, or seen already.
+    /// Sightings not newer than the newest, or seen already.
     pub late: u64,
-    /// Too far from where the worker can be.
+    /// Sightings too far from where the worker can be.
     pub jumps: u64,
-    /// Cannot be true: off the map, in the future, not a number.
+    /// Impossible sightings: off the map, in the future, not a number.
     pub absurd: u64,
 }
 
@@ -75,44 +75,44 @@ impl FeedCounts {
     }
 }
 
-/// What became of a sighting.
+/// What a sighting changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SightingOutcome {
     /// The worker has moved.
     Moved,
-    /// The worker is somewhere else, without having walked there: a new frame, or a jump that lasted.
+    /// The worker is in a new place without having walked there: a new frame, or a jump that lasted.
     Relocated,
-    /// Taken in, but another source has the lead.
+    /// The sighting was accepted, but another source leads.
     Noted,
-    /// Ignored.
+    /// The sighting was ignored.
     Ignored,
 }
 
 /// Where a worker is, at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Whereabouts {
-    /// The last known place.
+    /// The last known position.
     pub at: Point,
-    /// One standard deviation of it, metres.
+    /// Standard deviation of the position, metres.
     pub sigma_m: f64,
-    /// How far the worker may have walked since, unseen, metres.
+    /// How far the worker may have walked unseen since, metres.
     pub reach_m: f64,
     /// Velocity, metres per second.
     pub velocity: Vector,
-    /// Where the worker faces, radians; from the course where the source does not say.
+    /// Where the worker faces, radians; taken from the course if the source does not report it.
     pub heading: Option<f64>,
-    /// How well it is known.
+    /// How well the position is known.
     pub presence: Presence,
 }
 
-/// Where a worker was, from before anything was seen of it: by the journal, or as a supervisor says.
+/// A worker's position from another source than sightings: the journal, or a supervisor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LastKnown {
-    /// Where.
+    /// The position.
     pub at: Point,
-    /// When.
+    /// Time of that position.
     pub seen: Time,
-    /// How far from there at most, metres on foot, where somebody vouches for that. Else as far as anybody can have
+    /// Greatest distance from there, metres on foot, if a person vouches for it. Otherwise as far as a worker can have
     /// walked unseen.
     pub within_m: Option<f64>,
 }
@@ -124,9 +124,9 @@ pub struct Track {
     /// The source whose place counts most.
     lead: SourceId,
     counts: FeedCounts,
-    /// What is known from elsewhere, until a source knows.
+    /// The last known place from elsewhere, until a source knows.
     remembered: Option<LastKnown>,
-    /// When the worker was cleared, or signed off, last: what was seen before is no news.
+    /// When the worker was last cleared or signed off: earlier sightings are ignored.
     ended: Option<Time>,
 }
 
@@ -144,33 +144,33 @@ impl LastKnown {
 }
 
 impl Track {
-    /// What became of all sightings.
+    /// Counts of all sightings by outcome.
     pub fn counts(&self) -> FeedCounts {
         self.counts
     }
 
-    /// The newest sighting of the source that leads.
+    /// The newest sighting of the leading source.
     pub fn newest(&self) -> Option<&Sighting> {
         self.of(self.lead).newest()
     }
 
-    /// The worker has left the floor by now, or somebody vouches for it.
+    /// Clears the worker, who has left the floor or for whom a person vouches.
     pub fn clear(&mut self, now: Time) {
         *self = Track { counts: self.counts, ended: Some(now), ..Track::default() };
     }
 
-    /// The worker is there as far as anybody knows who does not see it, until a source does.
+    /// Sets the worker's last known place, which holds until a source knows better.
     pub fn remember(&mut self, place: LastKnown) {
         self.remembered = Some(place);
     }
 
-    /// The wearer took the device off: nothing will be seen any more.
+    /// The wearer took the device off: no more sightings will come.
     pub fn sign_off(&mut self, now: Time) {
         self.ended = Some(now);
         self.sources.iter_mut().for_each(|source| source.sign_off(now));
     }
 
-    /// Whether the place is what a supervisor vouches for.
+    /// Whether a supervisor vouches for the place.
     pub fn is_vouched(&self) -> bool {
         self.remembered.is_some_and(|r| r.within_m.is_some())
     }
@@ -180,14 +180,14 @@ impl Track {
         self.newest().map(|s| s.seen).max(self.remembered.map(|r| r.seen))
     }
 
-    /// Takes a sighting in. `is_on_map` says whether anybody can be at a place at all.
+    /// Processes a sighting. `is_on_map` says whether a person can be at a place at all.
     pub fn see(&mut self, s: &Sighting, now: Time, is_on_map: impl Fn(Point) -> bool) -> SightingOutcome {
         let numbers = [s.at.x, s.at.y, s.accuracy_m, s.heading.unwrap_or(0.0)];
         if numbers.iter().any(|n| !n.is_finite()) || s.seen > now + AHEAD || !is_on_map(s.at) {
             self.counts.absurd += 1;
             return SightingOutcome::Ignored;
         }
-        // The clock of a device may be ahead: what comes later with an earlier time was on its way.
+        // The clock of a device may be ahead: a later sighting with an earlier time was already under way.
         if self.ended.is_some_and(|ended| s.seen <= ended + AHEAD) {
             self.counts.late += 1;
             return SightingOutcome::Ignored;
@@ -211,7 +211,7 @@ impl Track {
         match before {
             _ if taken == SightingOutcome::Ignored => taken,
             _ if self.lead != s.source => SightingOutcome::Noted,
-            // Another source goes on where the one before it was.
+            // Another source continues where the previous one was.
             Some(before) if led != s.source => {
                 let reach_m = self.of(led).whereabouts(now).map_or(0.0, |w| w.reach_m);
                 let goes_on = is_near(&before, s, reach_m);
@@ -237,8 +237,8 @@ impl Track {
         }
     }
 
-    /// The source that is to lead: the most trusted, then the most exact; the one that leads where there is little in
-    /// it.
+    /// The source that should lead: the most trusted, then the most exact; the present leader if the difference is
+    /// small.
     fn leader(&self, now: Time) -> SourceId {
         let rank = |id: SourceId| {
             let (source, place) = (self.of(id), self.of(id).whereabouts(now)?);
@@ -262,7 +262,7 @@ impl Track {
         &self.sources[id as usize]
     }
 
-    /// Where the worker is now, as far as anybody knows: as the source says that leads.
+    /// Where the worker is now, by the leading source.
     pub fn whereabouts(&self, now: Time) -> Option<Whereabouts> {
         let seen = self.of(self.lead).whereabouts(now);
         match self.remembered {
@@ -271,15 +271,14 @@ impl Track {
         }
     }
 
-    /// For how long no source has known where the worker is.
+    /// How long no source has known where the worker is.
     pub fn silent(&self, now: Time) -> Option<Span> {
         let silent = SourceId::ALL.into_iter().filter_map(|id| self.of(id).silent(now)).min();
         silent.or_else(|| self.remembered.map(|place| now - place.seen))
     }
 
-    /// Where else the worker may be: where other sources say that do not agree, the places that a source left without a
-    /// walk, and the other side of marks that lie on one line. At most eleven: three of each source, and two other
-    /// sources.
+    /// Where else the worker may be: the places of sources that disagree, the places that a source left by a jump, and
+    /// the other side of marks that lie on one line. At most eleven: three of each source, and two other sources.
     pub fn others(&self, now: Time) -> Vec<Whereabouts> {
         if self.is_vouched() {
             return Vec::new();
@@ -299,7 +298,7 @@ impl Track {
             else {
                 continue;
             };
-            // One that is silent for long contradicts no more.
+            // A source that has been silent for long no longer contradicts.
             let is_over = source.silent(now).is_none_or(|s| s > HELD) && knows;
             if !is_over && !is_near(lead, said, best.reach_m + place.reach_m) {
                 found.push(place);
@@ -422,7 +421,7 @@ mod tests {
         assert!(track.others(now).is_empty(), "marks were touched: the old place is over");
     }
 
-    /// Sightings every 50 ms from `from` on.
+    /// Sightings every 50 ms from `from` to `until`.
     fn stands(track: &mut Track, from: i64, until: i64, s: impl Fn(i64) -> Sighting) -> Vec<SightingOutcome> {
         (from..until).step_by(50).map(|ms| track.see(&s(ms), Time(ms * 1000), |_| true)).collect()
     }
@@ -521,7 +520,7 @@ mod tests {
         assert_eq!(track.see(&tag(1000, 1.5), now, |_| true), SightingOutcome::Noted);
         assert!(track.others(now).is_empty());
         assert_eq!(track.newest().unwrap().source, SourceId::Headset);
-        // Orders of sources are their own: an older number of another source is not late.
+        // Each source has its own order: an older number of another source is not late.
         assert_eq!(track.see(&sighting(1010, 1.2), now, |_| true), SightingOutcome::Moved);
         assert_eq!(track.counts().late, 0);
     }

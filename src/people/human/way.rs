@@ -1,4 +1,4 @@
-//! Ways over the walkways that a person may take: towards a goal, or straight on.
+//! Paths over the walkways that a person may take: towards a goal, or straight on.
 //!
 //! Main functions: [`towards_goal`], [`straight_on`], [`common_prefix`]. Refuses: probabilities.
 
@@ -7,11 +7,11 @@ use giveway_floor::geometry::{Point, Vector, turn_between};
 use giveway_floor::id::{GoalId, WalkNodeId};
 use giveway_floor::warehouse::walkway::Walkways;
 
-/// Points closer than this are one, metres.
+/// Points closer than this are the same, metres.
 const SAME_M: f64 = 0.3;
 
-/// The shortest way from a point to a goal, as far as `length_m`, down the goal's distances; nothing where
-/// there is none.
+/// The shortest path from a point to a goal, up to `length_m`, following the goal's distances; nothing if there is
+/// none.
 pub fn towards_goal(distances: &Distances, goal: GoalId, at: Point, length_m: f64) -> Option<Vec<Point>> {
     let end = distances.place(goal)?;
     let Some(walkways) = distances.walkways() else { return Some(vec![at, end]) };
@@ -32,7 +32,7 @@ pub fn towards_goal(distances: &Distances, goal: GoalId, at: Point, length_m: f6
         });
         let Some((n, l, step)) = next.min_by(|a, b| (a.1 + a.2).total_cmp(&(b.1 + b.2))) else { break };
         if l >= left {
-            // No node on is nearer: the goal itself is next.
+            // No further node is nearer to the goal: the goal itself is next.
             path.push(end);
             break;
         }
@@ -42,8 +42,7 @@ pub fn towards_goal(distances: &Distances, goal: GoalId, at: Point, length_m: f6
     Some(path)
 }
 
-/// The way over the walkways that changes the heading least, as far as `length_m`: a prediction without any
-/// model.
+/// The path over the walkways that changes the heading least, up to `length_m`: a prediction without any model.
 pub fn straight_on(walkways: &Walkways, at: Point, heading: f64, length_m: f64) -> Vec<Point> {
     let mut path = vec![at];
     let mut ahead = heading;
@@ -67,7 +66,7 @@ pub fn straight_on(walkways: &Walkways, at: Point, heading: f64, length_m: f64) 
             turn_between(bearing(a.1, here), ahead).total_cmp(&turn_between(bearing(b.1, here), ahead))
         });
         let Some(&(edge, next)) = best else { break };
-        // Nobody is predicted to turn back, or to cut through.
+        // People are not predicted to turn back, or to cut through.
         if turn_between(bearing(next, here), ahead) > 2.2 {
             break;
         }
@@ -79,7 +78,7 @@ pub fn straight_on(walkways: &Walkways, at: Point, heading: f64, length_m: f64) 
     path
 }
 
-/// What all paths have in common, from their start on.
+/// The common beginning of all paths.
 pub fn common_prefix(paths: &[Vec<Point>]) -> Vec<Point> {
     let Some(first) = paths.first() else { return Vec::new() };
     let same = |i: usize| paths.iter().all(|p| p.get(i).is_some_and(|q| distance(*q, first[i]) < SAME_M));

@@ -1,50 +1,51 @@
-//! How a robot drives: what its motors and brakes allow, and where a speed and a turn rate take it.
+//! How a robot drives: the limits of its motors and brakes, and the motion from a speed and a turn rate.
 //!
 //! Main types: [`DriveState`], [`DriveLimits`], [`Twist`], [`SpeedWindow`] (the speeds that can be reached by the next
-//! tick). Refuses: wheels that slip, and driving backwards.
+//! tick). Refuses: slipping wheels, and driving backwards.
 
 use giveway_floor::geometry::{Point, Pose, Vector, wrap_angle};
 
 /// A speed and a turn rate.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Twist {
-    /// Ahead, metres per second, never negative.
+    /// Forward speed, metres per second, never negative.
     pub speed_mps: f64,
-    /// Anticlockwise, radians per second.
+    /// Turn rate, anticlockwise, radians per second.
     pub turn_rps: f64,
 }
 
-/// Where a robot is and how it moves.
+/// A robot's pose and motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveState {
-    /// Where, and where to.
+    /// Position and heading.
     pub pose: Pose,
-    /// How.
+    /// Speed and turn rate.
     pub twist: Twist,
 }
 
-/// What a robot's motors and brakes allow.
+/// Limits of a robot's motors and brakes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveLimits {
-    /// It is never faster, metres per second.
+    /// Greatest speed, metres per second.
     pub speed_mps: f64,
-    /// It gains speed no faster, metres per second squared.
+    /// Greatest acceleration, metres per second squared.
     pub accel_mps2: f64,
-    /// It loses speed no faster, metres per second squared.
+    /// Greatest deceleration, metres per second squared.
     pub brake_mps2: f64,
-    /// It never turns faster, radians per second.
+    /// Greatest turn rate, radians per second.
     pub turn_rps: f64,
-    /// Its turn rate changes no faster, radians per second squared.
+    /// Greatest change of the turn rate, radians per second squared.
     pub turn_accel_rps2: f64,
-    /// From a person being seen to its brakes, seconds: T_r of Ye et al. (2024).
+    /// Time from a person being seen to the brakes, seconds: T_r of Ye et al. (2024).
     pub react_s: f64,
-    /// From one choice to the next, seconds.
+    /// Time from one choice to the next, seconds.
     pub period_s: f64,
 }
 
-/// Speeds that are looked at in a tick.
+/// Number of speeds evaluated in a tick.
 pub(super) const SPEEDS: usize = 5;
-/// Turn rates that are looked at, beside straight on and straight to the goal; odd, so that the present one is.
+/// Number of turn rates evaluated besides straight on and straight to the goal; odd, so that the present one is
+/// included.
 pub(super) const TURNS: usize = 9;
 
 /// The speeds and turn rates that can be reached by the next tick (Fox et al. 1997, section IV-A).
@@ -56,11 +57,11 @@ pub(super) struct SpeedWindow {
 }
 
 impl DriveLimits {
-    /// Speeds that can be reached from here by the next tick, and from which the robot still comes to rest after
-    /// `left_m` metres. `aim_rad` is the angle from its heading to the goal.
+    /// Speeds and turn rates that can be reached by the next tick, and from which the robot still stops within `left_m`
+    /// metres. `aim_rad` is the angle from its heading to the goal.
     pub(super) fn window(&self, now: Twist, left_m: f64, aim_rad: f64) -> SpeedWindow {
         let dt = self.period_s;
-        // After so many metres of braking, one more period at that speed (v dt + v² / 2b = left).
+        // One more period at that speed, then braking (v dt + v² / 2b = left).
         let b = self.brake_mps2;
         let in_time = -b * dt + ((b * dt) * (b * dt) + 2.0 * b * left_m.max(0.0)).sqrt();
         let low = (now.speed_mps - b * dt).max(0.0);
@@ -72,7 +73,7 @@ impl DriveLimits {
         SpeedWindow { speeds_mps: (low, high), turns_rps: turns, straight_rps: straight }
     }
 
-    /// What the robot does where nothing else is left: it brakes on the arc on which it is.
+    /// The motion if nothing else is left: the robot brakes on its present arc.
     pub fn braked(&self, now: Twist) -> Twist {
         let speed_mps = (now.speed_mps - self.brake_mps2 * self.period_s).max(0.0);
         if speed_mps <= 0.0 {
@@ -81,14 +82,14 @@ impl DriveLimits {
         Twist { speed_mps, turn_rps: now.turn_rps * speed_mps / now.speed_mps }
     }
 
-    /// How long it takes to stand, seconds: T_s of Ye et al. (2024).
+    /// Braking time from a speed, seconds: T_s of Ye et al. (2024).
     pub fn stop_s(&self, speed_mps: f64) -> f64 {
         speed_mps / self.brake_mps2
     }
 }
 
 impl SpeedWindow {
-    /// All that are looked at: at most [`SPEEDS`] × ([`TURNS`] + 2).
+    /// All motions to evaluate: at most [`SPEEDS`] × ([`TURNS`] + 2).
     pub(super) fn twists(self) -> impl Iterator<Item = Twist> {
         let between =
             |(low, high): (f64, f64), i: usize, n: usize| low + (high - low) * i as f64 / (n - 1) as f64;
@@ -103,7 +104,7 @@ impl SpeedWindow {
 }
 
 impl Twist {
-    /// Where a robot is after `t` seconds of it: on an arc of a circle, or straight on.
+    /// The pose after `t` seconds of this motion: on an arc of a circle, or straight on.
     pub fn moved(self, from: Pose, t: f64) -> Pose {
         let turned = self.turn_rps * t;
         let (along, across) = if turned.abs() < 1e-6 {

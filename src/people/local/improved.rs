@@ -1,9 +1,9 @@
-//! The improved dynamic window: where a person will be, instead of an inflated obstacle; speeds within safe spaces.
+//! The improved dynamic window: forecasts of people instead of inflated obstacles; speeds within safe spaces.
 //!
 //! Main type: [`ImprovedWeights`]; main function: [`ImprovedWeights::cost`]. Source: Ye, Guo, Guo and Luo (2024),
-//! section 3.3: only one short step is ever decided. What comes after it is looked at in a few plain ways (on the line
-//! or aside of it; gain speed, keep it, or let somebody pass first), and the cheapest counts. Costs are seconds. A way
-//! behind a person wins where it is cheaper; nothing else makes the robot choose it. Refuses: to be sure of a
+//! section 3.3: only one short step is ever decided. What follows it is evaluated in a few simple variants (on the line
+//! or beside it; accelerate, keep the speed, or let a person pass first), and the cheapest counts. Costs are seconds. A
+//! path behind a person wins if it is cheaper; nothing else makes the robot choose it. Refuses: to be sure of a
 //! forecast: each part of it counts with its probability.
 
 use super::drive::{DriveLimits, DriveState, Twist, aim};
@@ -11,17 +11,17 @@ use super::spaces::{AHEAD_STEP_S, AHEAD_STEPS, NearPerson, Spaces};
 use crate::human::{Mixture, Part};
 use giveway_floor::geometry::{Point, Pose, Segment, Vector};
 
-/// Figures of the improved method.
+/// Weights of the improved method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImprovedWeights {
-    /// What a metre of detour costs beside the time that it takes, seconds.
+    /// Cost of a metre of detour besides its time, seconds.
     pub detour_s_per_m: f64,
-    /// What a second within a person's safe space costs, seconds, where it is as probable as not; about two thirds of
-    /// this.
+    /// Weight of a second near people, seconds: if being within a person's safe space has a probability of one half, a
+    /// second costs about two thirds of this.
     pub near_s_per_s: f64,
-    /// What turning costs, seconds per radian per second: it keeps ways smooth.
+    /// Cost of turning, seconds per radian per second: it keeps paths smooth.
     pub turn_s_per_rps: f64,
-    /// How sharply the edge of a safe space is drawn where it is known exactly, metres.
+    /// Width of the edge of a safe space whose position is known exactly, metres.
     pub edge_m: f64,
 }
 
@@ -31,24 +31,24 @@ impl Default for ImprovedWeights {
     }
 }
 
-/// Where the robot may drive after the step that is decided: on the line, and halfway or all the way to the edge of
-/// the corridor on each side.
+/// Lateral positions after the decided step: on the line, and halfway or all the way to the edge of the corridor on
+/// each side.
 const ASIDE: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
-/// The robot steers for a point so far ahead, seconds of its way and metres at least.
+/// How far ahead the robot steers, seconds of driving and least metres.
 const STEERS_FOR: (f64, f64) = (1.2, 0.8);
-/// The angle to that point is taken away in about this time, seconds.
+/// Time in which the angle to that point is corrected, seconds.
 const AIM_S: f64 = 0.6;
-/// Who lets somebody pass brakes for so long, seconds, and gains speed then.
+/// A robot that lets a person pass brakes for this long, seconds, and then accelerates.
 const LETS_PASS_S: f64 = 2.4;
 
-/// What a second a metre outside of the corridor costs where only a later step would lead there, seconds: the way on
-/// is no promise, but it must not look free where it is not.
+/// Cost of a second, per metre outside of the corridor, if only a later step would lead there, seconds: the
+/// continuation is no promise, but it must not look free where it is not.
 const OUTSIDE_PER_M: f64 = 50.0;
 
-/// No person is taken to be in the way more surely than this.
+/// Largest probability with which a person is taken to be in the way.
 const SURE: f64 = 0.998;
 
-/// What becomes of the speed after the step that is decided.
+/// How the speed continues after the decided step.
 #[derive(Clone, Copy)]
 enum Then {
     Gain,
@@ -56,12 +56,12 @@ enum Then {
     LetPass,
 }
 
-/// What all ways from here have in common.
+/// What all continuations from here have in common.
 #[derive(Clone, Copy)]
 pub(super) struct Outlook<'a> {
     pub limits: &'a DriveLimits,
     pub spaces: &'a Spaces,
-    /// How far the middle of the robot may be aside of the line to the left and to the right, metres.
+    /// How far the robot's middle may be beside the line to the left and to the right, metres.
     pub room_m: (f64, f64),
     pub line: Segment,
     pub state: &'a DriveState,
@@ -70,7 +70,7 @@ pub(super) struct Outlook<'a> {
 }
 
 impl ImprovedWeights {
-    /// What it costs to drive so, seconds; infinite where it is not below `bound`.
+    /// Cost of this motion, seconds; infinite if it is not below `bound`.
     pub(super) fn cost(&self, look: &Outlook<'_>, twist: Twist, bound: f64) -> f64 {
         let turning = self.turn_s_per_rps * twist.turn_rps.abs();
         let ways =
@@ -82,7 +82,7 @@ impl ImprovedWeights {
         if least < bound - turning { turning + least } else { f64::INFINITY }
     }
 
-    /// What one way costs; infinite as soon as it cannot be less than `least`.
+    /// Cost of one continuation; infinite as soon as it cannot be less than `least`.
     fn way(&self, look: &Outlook<'_>, first: Twist, aside_m: f64, then: Then, least: f64) -> f64 {
         let (mut pose, mut twist) = (look.state.pose, first);
         let (mut extra_s, mut driven_m, mut passed_s) = (0.0, 0.0, 0.0);
@@ -103,7 +103,7 @@ impl ImprovedWeights {
             passed_s += dt;
             left = (look.goal - pose.at).norm();
             extra_s += dt * OUTSIDE_PER_M * outside_m(look, pose.at);
-            // No way on is shorter than straight at full speed.
+            // No continuation is shorter than straight on at full speed.
             if passed_s + left / look.limits.speed_mps + extra_s > least {
                 return f64::INFINITY;
             }
@@ -116,8 +116,8 @@ impl ImprovedWeights {
         passed_s + left / look.limits.speed_mps + self.detour_s_per_m * detour + extra_s
     }
 
-    /// How near the robot is to people after step `k`: minus the logarithm of the probability that it is in nobody's
-    /// safe space. Little doubt costs little; where somebody surely is, there is no way through.
+    /// How near the robot is to people after step `k`: minus the logarithm of the probability that it is in no person's
+    /// safe space. A small probability costs little; where a person surely is, there is no way through.
     fn nearness(&self, look: &Outlook<'_>, pose: Pose, twist: Twist, k: usize) -> f64 {
         let ahead = Vector::new(libm::cos(pose.heading), libm::sin(pose.heading)) * twist.speed_mps;
         let after_s = AHEAD_STEP_S * (k + 1) as f64;
@@ -169,8 +169,8 @@ fn next(
     Twist { speed_mps, turn_rps: turn_rps.clamp(-limits.turn_rps, limits.turn_rps) }
 }
 
-/// Whether the robot will be allowed to drive on after step `k`, where people are as they are expected. Where it will
-/// not, it stands, and may turn.
+/// Whether the robot will be allowed to drive on after step `k`, if people are as expected. If not, it stands, and may
+/// turn.
 fn may_go(look: &Outlook<'_>, pose: Pose, twist: Twist, k: usize) -> bool {
     let ahead = Vector::new(libm::cos(pose.heading), libm::sin(pose.heading)) * twist.speed_mps;
     look.people.iter().all(|p| {
@@ -180,14 +180,14 @@ fn may_go(look: &Outlook<'_>, pose: Pose, twist: Twist, k: usize) -> bool {
     })
 }
 
-/// How far the middle of the robot is beyond where it may be, metres.
+/// How far the robot's middle is outside of its allowed floor, metres.
 fn outside_m(look: &Outlook<'_>, at: Point) -> f64 {
     let way = look.line.b - look.line.a;
     let aside = way.perp(&(at - look.line.a)) / way.norm().max(1e-9);
     (aside - look.room_m.0).max(-aside - look.room_m.1).max(0.0)
 }
 
-/// A point ahead, aside of the line; the goal where that is nearer.
+/// The point to steer for: ahead, beside the line; the goal if that is nearer.
 fn steers_for(look: &Outlook<'_>, at: Point, speed_mps: f64, aside_m: f64) -> Point {
     let way = look.line.b - look.line.a;
     let along = way / way.norm().max(1e-9);

@@ -1,11 +1,10 @@
-//! Round a person, beside the line: how a robot with a corridor drives the next tenth of a second.
+//! Local planning around people: how a robot with a corridor drives the next tenth of a second.
 //!
-//! Main types: [`LocalPlanner`], [`DriveState`], [`Twist`] (what it commands), [`NearPerson`] (who is near, and where
-//! that person will be), [`LocalMethod`], [`PassingRoom`] (whether there is room to pass). The dynamic window of Fox,
-//! Burgard and Thrun (1997), and the improved one of Ye, Guo, Guo and Luo (2024, section 3.3), whose speeds are bounded
-//! by motor, braking and safe spaces.
-//! Refuses: to leave the corridor; to plan routes or to hold resources, which it does not know; and to be a safety
-//! function: a robot stops for people by itself.
+//! Main types: [`LocalPlanner`], [`DriveState`], [`Twist`] (what it commands), [`NearPerson`] (a person near, with the
+//! forecast), [`LocalMethod`], [`PassingRoom`] (whether there is room to pass). The dynamic window of Fox, Burgard and
+//! Thrun (1997), and the improved one of Ye, Guo, Guo and Luo (2024, section 3.3), whose speeds are bounded by motor,
+//! braking and safe spaces. Refuses: to leave the corridor; to plan routes or to hold resources, which it does not
+//! know; and to be a safety function: a robot stops for people by itself.
 
 mod drive;
 mod improved;

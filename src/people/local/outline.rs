@@ -1,7 +1,6 @@
-//! A robot's outline as the local planner needs it: placed at many poses in a tick without asking for memory.
+//! A robot's outline as the local planner needs it: placed at many poses in a tick without allocating memory.
 //!
-//! Main type: [`RobotOutline`]. Refuses: outlines of more than sixteen corners without memory; those ask for some
-//! once.
+//! Main type: [`RobotOutline`]. Refuses: outlines of more than sixteen corners without allocation; those allocate once.
 
 use giveway_floor::geometry::{Point, Pose, Segment, Vector};
 use giveway_floor::warehouse::{Footprint, Hull};
@@ -10,16 +9,16 @@ use smallvec::SmallVec;
 /// An outline around the point on which the robot turns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotOutline {
-    /// Metres, x ahead and y to the left.
+    /// Corners, metres, x ahead and y to the left.
     corners: SmallVec<[Vector; 16]>,
-    /// Widened by this on all sides, metres.
+    /// Margin that widens the outline on all sides, metres.
     round_m: f64,
-    /// Whether it turns to where the robot drives.
+    /// Whether the outline turns with the robot's heading.
     turns: bool,
 }
 
 impl RobotOutline {
-    /// That of a footprint.
+    /// The outline of a footprint.
     pub fn of(footprint: &Footprint) -> RobotOutline {
         let square = |side_m: f64| {
             let half = side_m / 2.0;
@@ -43,25 +42,26 @@ impl RobotOutline {
         }
     }
 
-    /// Radius of the smallest circle around the turning point that holds it, metres (SS of Ye et al., section 3.3.1).
+    /// Radius of the smallest circle around the turning point that contains the outline, metres (SS of Ye et al.,
+    /// section 3.3.1).
     pub fn circle_m(&self) -> f64 {
         self.corners.iter().map(|c| c.norm()).fold(0.0, f64::max) + self.round_m
     }
 
-    /// Its corners at a pose.
+    /// The outline's corners at a pose.
     fn placed(&self, pose: Pose) -> impl Iterator<Item = Point> + Clone {
         let (sin, cos) =
             if self.turns { (libm::sin(pose.heading), libm::cos(pose.heading)) } else { (0.0, 1.0) };
         self.corners.iter().map(move |c| pose.at + Vector::new(cos * c.x - sin * c.y, sin * c.x + cos * c.y))
     }
 
-    /// How deep it lies within a part of the floor at a pose, metres: negative where some of it is outside.
+    /// How deep the outline at a pose lies within a part of the floor, metres: negative if some of it is outside.
     pub fn depth_m(&self, floor: &Hull, pose: Pose) -> f64 {
         let deepest = self.placed(pose).map(|corner| floor.depth_of(corner)).fold(f64::INFINITY, f64::min);
         deepest - self.round_m
     }
 
-    /// Its distance from a place, metres; zero for a place within.
+    /// Distance of the outline from a place, metres; zero for a place within it.
     pub fn gap_m(&self, pose: Pose, place: Point) -> f64 {
         let (mut nearest, mut around) = (f64::INFINITY, self.corners.len() > 2);
         let mut before = self.placed(pose).last().unwrap_or(pose.at);

@@ -1,10 +1,9 @@
-//! Which speed and turn rate a robot takes next.
+//! Chooses a robot's next speed and turn rate.
 //!
 //! Main types: [`LocalPlanner`], [`LocalMethod`]. A choice is made among a fixed number of samples, in a fixed order,
-//! without memory of the past and without asking for memory. Whatever is chosen, the robot can come to rest within its
-//! corridor from there, on the arc that it drives: so there is always a way to go on, if only to brake. Refuses: a
-//! trajectory on which the robot's outline leaves its corridor, whatever it gains; where none is left, it brakes and
-//! stands.
+//! without memory of the past and without allocation. Whatever is chosen, the robot can then come to rest within its
+//! corridor, on the arc that it drives: so there is always a way to go on, if only to brake. Refuses: a trajectory on
+//! which the robot's outline leaves its corridor, whatever it gains; if none is left, the robot brakes and stands.
 
 use super::drive::{DriveLimits, DriveState, Twist, aim};
 use super::improved::{ImprovedWeights, Outlook};
@@ -14,10 +13,10 @@ use super::traditional::TraditionalWeights;
 use giveway_floor::geometry::{Point, Segment, Vector};
 use giveway_floor::warehouse::{Corridor, Footprint, Hull};
 
-/// How the next speed is chosen.
+/// The method of choosing the next speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LocalMethod {
-    /// Straight on to the goal, as fast as safe spaces allow; it never leaves the line.
+    /// Straight on to the goal, as fast as safe spaces allow; the robot never leaves the line.
     Line,
     /// By heading, clearance and speed; a person is an inflated obstacle.
     Traditional(TraditionalWeights),
@@ -36,19 +35,19 @@ pub struct LocalPlanner {
     method: LocalMethod,
 }
 
-/// No outline comes nearer to the edge of a corridor unless it is nearer, metres: for what lies between two poses that
-/// are looked at.
+/// Least distance between an outline and the edge of a corridor, metres, unless the robot is already nearer: it covers
+/// what lies between two checked poses.
 pub(super) const MARGIN_M: f64 = 0.02;
-/// Poses are looked at so close to one another on an arc, metres and radians, as long as there are few enough.
+/// Spacing of checked poses on an arc, metres and radians, as long as there are few enough.
 const POSES: (f64, f64) = (0.08, 0.08);
-/// At most so many of them.
+/// Largest number of checked poses.
 const POSES_MAX: usize = 24;
-/// Nearer to its goal than this, a robot turns no more, metres.
+/// A robot nearer to its goal than this no longer turns, metres.
 const THERE_M: f64 = 0.05;
 
 impl LocalPlanner {
-    /// For a robot with this footprint on a lane with a corridor, seen as the robot drives: its floor is that of
-    /// [`Footprint::free`].
+    /// A planner for a robot with this footprint on a lane with a corridor, both in driving direction: its floor is
+    /// that of [`Footprint::free`].
     pub fn new(
         footprint: &Footprint,
         limits: DriveLimits,
@@ -64,8 +63,8 @@ impl LocalPlanner {
         LocalPlanner { outline, spaces, line, room_m, floor, method }
     }
 
-    /// The same floor, but the robot steers for a line that lies so far to the left of the lane, metres; to the right
-    /// where that is negative.
+    /// The planner for a line that lies `left_m` to the left of the lane, metres, or to the right if negative, on the
+    /// same floor.
     pub fn beside(mut self, left_m: f64) -> LocalPlanner {
         let ahead = (self.line.b - self.line.a).try_normalize(1e-12).unwrap_or(Vector::x());
         let across = Vector::new(-ahead.y, ahead.x) * left_m;
@@ -75,8 +74,8 @@ impl LocalPlanner {
         self
     }
 
-    /// How to drive for the next period towards a goal within the corridor. Standing is the answer where every motion
-    /// would leave the corridor or come too near to somebody.
+    /// The motion for the next period towards a goal within the corridor. The robot brakes if every motion would leave
+    /// the corridor or come too near to a person.
     pub fn choose(&self, state: &DriveState, goal: Point, people: &[NearPerson<'_>]) -> Twist {
         let limits = &self.spaces.limits;
         let left = (goal - state.pose.at).norm();
@@ -96,8 +95,7 @@ impl LocalPlanner {
         best.map_or_else(|| limits.braked(state.twist), |(_, twist)| twist)
     }
 
-    /// How good it is to drive so; nothing where it is out of the question, or surely no better than the `best` so
-    /// far.
+    /// The value of a motion; nothing if it is not allowed, or surely no better than the `best` so far.
     fn value(&self, look: &Outlook<'_>, twist: Twist, best: Option<f64>) -> Option<f64> {
         match &self.method {
             LocalMethod::Line => {
@@ -115,7 +113,7 @@ impl LocalPlanner {
         }
     }
 
-    /// Whether the robot stays out of the safe space of everybody, now and where both are a little later.
+    /// Whether the robot stays out of every person's safe space, now and at the expected positions a little later.
     fn is_safe(&self, look: &Outlook<'_>, twist: Twist) -> bool {
         const LATER: usize = 1;
         let later_s = AHEAD_STEP_S * LATER as f64;
@@ -129,9 +127,9 @@ impl LocalPlanner {
         })
     }
 
-    /// Whether the outline stays within the corridor during the next period and while the robot brakes after it, with
-    /// room to turn on the spot where it stands then, unless that is no farther from the line than it is now: so it
-    /// never stands at the edge and can neither turn nor go on.
+    /// Whether the outline stays within the corridor during the next period and while the robot brakes after it. The
+    /// robot must then have room to turn on the spot, unless it stands no farther from the line than now: so it never
+    /// stands at the edge unable to turn or go on.
     fn keeps_to_floor(&self, state: &DriveState, twist: Twist) -> bool {
         let limits = &self.spaces.limits;
         let all_s = limits.period_s + limits.stop_s(twist.speed_mps) / 2.0;

@@ -1,7 +1,7 @@
-//! Whether a robot finds room beside people within a corridor, and how far aside it would have to drive.
+//! Whether a robot has room beside people within a corridor, and how far aside it would have to drive.
 //!
-//! Main types: [`PassingRoom`], [`LineSide`]. Room is the width of the robot and the safe distance of the planner,
-//! between where a person is forecast to be and the edge of the corridor. Refuses: to decide whether passing pays.
+//! Main types: [`PassingRoom`], [`LineSide`]. The room must hold the robot's width and the planner's safe distance,
+//! between a person's forecast position and the edge of the corridor. Refuses: to decide whether passing pays.
 
 use super::drive::DriveLimits;
 use super::outline::RobotOutline;
@@ -10,18 +10,18 @@ use super::spaces::{AHEAD_STEP_S, NearPerson, Spaces};
 use giveway_floor::geometry::{Point, Segment, Vector};
 use giveway_floor::warehouse::{Corridor, Footprint};
 
-/// A side of a line, as seen along it.
+/// A side of a line, in its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LineSide {
-    /// Its left.
+    /// The left side.
     Left,
-    /// Its right.
+    /// The right side.
     Right,
 }
 
-/// Room beyond what the planner asks for, metres: people sway, and a robot at the edge of a corridor cannot turn.
+/// Room beyond the planner's requirement, metres: people sway, and a robot at the edge of a corridor cannot turn.
 const SPARE_M: f64 = 0.2;
-/// Straight parts at both ends of a swing aside, metres: its detour is that of a triangle so long.
+/// Length of the swing aside at each end, metres: its detour is that of a triangle of this length.
 const SWING_M: f64 = 3.0;
 
 /// A corridor along a line, as one robot would pass people in it.
@@ -35,8 +35,8 @@ pub struct PassingRoom {
 }
 
 impl PassingRoom {
-    /// For a robot with this footprint that drives along the line at the speed of `limits`; the corridor is seen as
-    /// the robot drives.
+    /// Room for a robot with this footprint that drives along the line at the speed of `limits`; the corridor is seen
+    /// in driving direction.
     pub fn new(footprint: &Footprint, limits: DriveLimits, line: Segment, corridor: Corridor) -> PassingRoom {
         let circle_m = RobotOutline::of(footprint).circle_m();
         let spaces = Spaces { circle_m, limits };
@@ -46,14 +46,14 @@ impl PassingRoom {
         PassingRoom { line, corridor, circle_m, apart_m, speed_mps: limits.speed_mps }
     }
 
-    /// Room that the robot needs between the middle of a person and the edge of the corridor: the safe distance, and
-    /// the half of the robot beyond its own middle, metres.
+    /// Room that the robot needs between a person's middle and the edge of the corridor: the safe distance, and half
+    /// the robot, metres.
     pub fn needed_m(&self) -> f64 {
         self.apart_m + self.circle_m + MARGIN_M
     }
 
-    /// Whether there is room on a side of everybody for the rest of the line behind `from_m`: at no moment until the
-    /// robot is past them is somebody more probably in the way there than `doubt`.
+    /// Whether there is room on one side of all people for the rest of the line after `from_m`: at no moment until the
+    /// robot is past them, the probability that a person is in the way there exceeds `doubt`.
     pub fn is_free(&self, side: LineSide, from_m: f64, people: &[NearPerson<'_>], doubt: f64) -> bool {
         let moments = |p: &NearPerson<'_>| {
             let along_m = self.along_m(p.at);
@@ -77,24 +77,24 @@ impl PassingRoom {
         })
     }
 
-    /// The side with room for which the robot drives the less aside.
+    /// The side with room on which the robot deviates less.
     pub fn side(&self, from_m: f64, people: &[NearPerson<'_>], doubt: f64) -> Option<LineSide> {
         let free = [LineSide::Left, LineSide::Right];
         let free = free.into_iter().filter(|s| self.is_free(*s, from_m, people, doubt));
         free.min_by(|a, b| self.aside_m(*a, from_m, people).total_cmp(&self.aside_m(*b, from_m, people)))
     }
 
-    /// How far aside the robot drives to pass all who are ahead of it now on a side, metres.
+    /// How far aside the robot drives to pass all people ahead of it on one side, metres.
     pub fn aside_m(&self, side: LineSide, from_m: f64, people: &[NearPerson<'_>]) -> f64 {
         let ahead = people.iter().filter(|p| self.is_near(side, from_m, p.at));
         ahead.map(|p| self.across_m(side, p.at) + self.apart_m).fold(0.0, f64::max)
     }
 
-    /// Round those who are ahead of a robot at a place: how far to the left of the line the way past them is, negative
-    /// to the right, and where it is past them. Nothing where nobody is in the way, or there is no room.
+    /// The way round the people ahead of a robot at a place: how far to the left of the line it is, negative to the
+    /// right, and the point past them. Nothing if nobody is in the way, or there is no room.
     pub fn round(&self, at: Point, people: &[NearPerson<'_>], doubt: f64) -> Option<(f64, Point)> {
         let (from_m, left_m) = (self.along_m(at), self.across_m(LineSide::Left, at));
-        // A robot that is on one side of them stays there.
+        // A robot already on one side of the people stays there.
         let own = if left_m > 0.0 { LineSide::Left } else { LineSide::Right };
         let is_free = || self.is_free(own, from_m, people, doubt);
         let stays = (left_m.abs() > self.circle_m && is_free()).then_some(own);
@@ -113,18 +113,18 @@ impl PassingRoom {
         2.0 * (self.aside_m(side, from_m, people).hypot(SWING_M) - SWING_M)
     }
 
-    /// How far along the line a place is, metres.
+    /// Distance of a place along the line, metres.
     pub fn along_m(&self, at: Point) -> f64 {
         (at - self.line.a).dot(&self.ahead())
     }
 
-    /// How far a place is off the line to a side, metres, negative on the other one.
+    /// Distance of a place from the line towards a side, metres; negative on the other side.
     pub fn across_m(&self, side: LineSide, at: Point) -> f64 {
         let left = (at - self.line.a).dot(&self.left());
         if side == LineSide::Left { left } else { -left }
     }
 
-    /// The probability that somebody around this place is in the way on a side.
+    /// The probability that a person around this place is in the way on a side.
     fn blocks(&self, side: LineSide, from_m: f64, at: Point, spread_m: f64) -> f64 {
         if !self.is_along(from_m, at) {
             return 0.0;
@@ -135,11 +135,11 @@ impl PassingRoom {
             true => 0.5 * (1.0 + libm::erf((x - across) / (spread_m * std::f64::consts::SQRT_2))),
             false => f64::from(u8::from(across < x)),
         };
-        // Whoever is far enough beyond the corridor leaves all of it free.
+        // A person far enough beyond the corridor leaves all of it free.
         below(self.beyond_m(side)) - below(edge_m - self.needed_m())
     }
 
-    /// Whether the robot has to keep away from this place on the rest of its way on a side.
+    /// Whether the robot must keep away from this place on the rest of its way on a side.
     fn is_near(&self, side: LineSide, from_m: f64, at: Point) -> bool {
         self.is_along(from_m, at) && self.across_m(side, at) < self.beyond_m(side)
     }
@@ -148,7 +148,7 @@ impl PassingRoom {
         if side == LineSide::Left { self.corridor.left_m } else { self.corridor.right_m }
     }
 
-    /// Whoever is farther off the line than this leaves all of a side free, metres.
+    /// A person farther off the line than this leaves all of a side free, metres.
     fn beyond_m(&self, side: LineSide) -> f64 {
         self.edge_m(side) + self.apart_m - self.circle_m
     }
@@ -208,7 +208,8 @@ mod tests {
     #[test]
     fn room_is_the_width_of_the_robot_and_the_safe_distance() {
         let needed = room(3.0, 3.0).needed_m();
-        // Twice the robot's circle, half an arm span, the least distance, doubt about a measured speed, and to spare.
+        // Twice the robot's circle, half an arm span, the least distance, the error of a measured speed, and spare
+        // room.
         let expected = 0.8 + 0.89 + 0.5 + 0.1 * (0.3 + 0.5 / 0.8) + SPARE_M + MARGIN_M;
         assert!((needed - expected).abs() < 1e-9, "{needed} and {expected}");
         assert_eq!(side(room(needed + 0.3, 0.0), (5.0, 0.0), (0.0, 0.0)), Some(LineSide::Left));

@@ -1,30 +1,30 @@
-//! How near a robot may come to a person at which speed: safe spaces with the speeds that both really have.
+//! How near a robot may come to a person, by the actual speeds of both: safe spaces.
 //!
 //! Main types: [`NearPerson`]; main function: [`Spaces::need_m`]. Source: Ye, Guo, Guo and Luo (2024), equations 3 to
 //! 8, with `v_w` and `v_r` as the text defines them: the speeds of the worker towards the robot and of the robot
-//! towards the worker, not the 1.6 m/s of equation 4, which holds where a worker's speed is unknown. Refuses: walls.
+//! towards the worker, not the 1.6 m/s of equation 4, which applies if a worker's speed is unknown. Refuses: walls.
 
 use super::drive::DriveLimits;
 use crate::aware::safe_space::{APART_M, ARM_SPAN_M, StoppingTimes};
 use crate::human::{Mixture, WALK_MPS};
 use giveway_floor::geometry::{Point, Vector};
 
-/// From one moment of a forecast to the next, seconds.
+/// Time from one moment of a forecast to the next, seconds.
 pub const AHEAD_STEP_S: f64 = 0.4;
-/// So many moments are looked at: six seconds.
+/// Number of forecast moments that are used: six seconds.
 pub const AHEAD_STEPS: usize = 15;
-/// A measured speed of a person may be wrong by so much, metres per second.
+/// Largest error of a person's measured speed, metres per second.
 const SPEED_DOUBT_MPS: f64 = 0.1;
 
-/// A person near a robot, as the robot's owner believes.
+/// A person near a robot, as the fleet believes.
 #[derive(Clone, Copy, Debug)]
 pub struct NearPerson<'a> {
-    /// Where the person is now, metres.
+    /// The person's present position, metres.
     pub at: Point,
-    /// How the person moves now, metres per second.
+    /// The person's present velocity, metres per second.
     pub velocity: Vector,
-    /// Where the person will be, [`AHEAD_STEP_S`] from now and so on; at most [`AHEAD_STEPS`] are looked at. Without
-    /// any the person is taken to stay.
+    /// Forecasts of the person, the first [`AHEAD_STEP_S`] from now, and so on; at most [`AHEAD_STEPS`] are used.
+    /// Without any the person is taken to stay.
     pub ahead: &'a [Mixture],
 }
 
@@ -33,13 +33,13 @@ pub struct NearPerson<'a> {
 pub(super) struct Spaces {
     /// Radius of the circle around the robot, metres.
     pub circle_m: f64,
-    /// What it can do.
+    /// Limits of the robot's motors and brakes.
     pub limits: DriveLimits,
 }
 
 impl Spaces {
-    /// The least distance between the middles of a robot with this velocity and of a person at `from_robot` with that
-    /// one, metres: arms and walking (equation 3), the robot's circle, the least distance, and its way until it stands
+    /// Least distance between the middles of a robot with this velocity and of a person at `from_robot` with that one,
+    /// metres: arms and walking (equation 3), the robot's circle, the least distance, and the robot's stopping distance
     /// (equations 7 and 8).
     pub fn need_m(&self, robot: Vector, person: Vector, from_robot: Vector) -> f64 {
         let towards = from_robot / from_robot.norm().max(1e-9);
@@ -51,7 +51,7 @@ impl Spaces {
         ARM_SPAN_M / 2.0 + walked_m + self.circle_m + APART_M + driven_m
     }
 
-    /// Whether a robot may move so: it is far enough from the person, or does not come nearer.
+    /// Whether a robot may move with this velocity: it is far enough from the person, or does not come nearer.
     pub fn allow(&self, robot: Vector, person: Vector, from_robot: Vector) -> bool {
         robot.dot(&from_robot) <= 1e-9 || from_robot.norm() >= self.need_m(robot, person, from_robot)
     }

@@ -1,4 +1,4 @@
-//! Robots that drive whole corridors, planned tick by tick.
+//! Tests in which robots drive whole corridors, planned tick by tick.
 
 use super::*;
 use crate::human::{Mixture, Part};
@@ -16,7 +16,7 @@ const LIMITS: DriveLimits = DriveLimits {
     period_s: 0.1,
 };
 
-/// Numbers that look random, the same every time.
+/// Random-looking numbers, the same every time.
 struct Lcg(u64);
 
 impl Lcg {
@@ -31,7 +31,7 @@ fn truck() -> Footprint {
     Footprint::Polygon { corners: corners.map(|(x, y)| Point::new(x, y)).to_vec(), turns: true }
 }
 
-/// Whoever goes on as now, as a forecast.
+/// The forecast of a person who goes on as now.
 fn straight_on(at: Point, velocity: Vector) -> Vec<Mixture> {
     let part = |k: usize| {
         let t = AHEAD_STEP_S * (k + 1) as f64;
@@ -40,7 +40,7 @@ fn straight_on(at: Point, velocity: Vector) -> Vec<Mixture> {
     (0..AHEAD_STEPS).map(|k| Mixture { parts: vec![part(k)] }).collect()
 }
 
-/// A corridor along a slanted line, a robot at its start, and somebody who walks.
+/// A corridor along a slanted line, a robot at its start, and a person who walks.
 struct Trial {
     lane: Segment,
     corridor: Corridor,
@@ -49,7 +49,7 @@ struct Trial {
     velocity: Vector,
 }
 
-/// What a robot did: all poses, and when it arrived.
+/// Result of a trip: all poses, and when the robot arrived.
 struct LocalTrip {
     poses: Vec<Pose>,
     people: Vec<Point>,

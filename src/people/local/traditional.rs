@@ -1,4 +1,4 @@
-//! The traditional dynamic window: a person is an inflated obstacle where the person is now.
+//! The traditional dynamic window: a person is an inflated obstacle at the present position.
 //!
 //! Main type: [`TraditionalWeights`]; main function: [`TraditionalWeights::value`]. Source: Fox, Burgard and Thrun
 //! (1997), equations 13 to 15, with the obstacle of Ye et al. (2024), section 3.3: speeds are bounded by motor and
@@ -9,20 +9,20 @@ use super::spaces::NearPerson;
 use crate::aware::safe_space::ARM_SPAN_M;
 use giveway_floor::geometry::Point;
 
-/// Figures of the traditional method. The built-in ones are those that served it best (`docs/corridors.md`).
+/// Weights of the traditional method. The built-in ones served it best (`docs/corridors.md`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraditionalWeights {
-    /// Weight of the heading to the goal at the end of the look ahead.
+    /// Weight of the heading to the goal at the end of the time looked ahead.
     pub heading: f64,
     /// Weight of the distance from people.
     pub clearance: f64,
     /// Weight of the speed.
     pub speed: f64,
-    /// How far it looks ahead, seconds.
+    /// How far ahead the method looks, seconds.
     pub ahead_s: f64,
-    /// By how much a person's place is inflated beside the robot's own circle, metres.
+    /// Inflation of a person's place besides the robot's own circle, metres.
     pub inflated_m: f64,
-    /// More distance than this is worth no more, metres.
+    /// A greater distance than this has no further value, metres.
     pub enough_m: f64,
 }
 
@@ -39,11 +39,11 @@ impl Default for TraditionalWeights {
     }
 }
 
-/// From one look to the next on an arc, seconds.
+/// Interval between two checks on an arc, seconds.
 const STEP_S: f64 = 0.2;
 
 impl TraditionalWeights {
-    /// Equal weights, and a person as wide as the reach of the arms (Ye et al.): as it is without tuning.
+    /// Equal weights, and a person as wide as the reach of the arms (Ye et al.): the method without tuning.
     pub const EQUAL: TraditionalWeights = TraditionalWeights {
         heading: 1.0,
         clearance: 1.0,
@@ -53,7 +53,7 @@ impl TraditionalWeights {
         enough_m: 1.5,
     };
 
-    /// How good it is to drive so; nothing where the robot could not come to rest before an inflated person.
+    /// The value of a motion; nothing if the robot could not come to rest before an inflated person.
     pub(super) fn value(
         &self,
         limits: &DriveLimits,
@@ -64,7 +64,7 @@ impl TraditionalWeights {
         people: &[NearPerson<'_>],
     ) -> Option<f64> {
         let stop_s = limits.period_s + limits.stop_s(twist.speed_mps) / 2.0;
-        // Inside an inflated place, whatever leads out of it is as good as free.
+        // Inside an inflated place, a motion that leads out of it is as good as free.
         let radius =
             |p: &NearPerson<'_>| (circle_m + self.inflated_m).min((p.at - state.pose.at).norm() - 1e-3);
         let mut clearance = self.enough_m;

@@ -1,8 +1,8 @@
-//! Where the arm will be within 0.4 seconds, with how sure that is.
+//! Where the arm will be within 0.4 seconds, and how certain that is.
 //!
-//! Main types: [`ArmNet`], [`ArmForecast`]. From ten samples, 0.04 s apart, one memory tells ten further places of
-//! shoulder, forearm, hand and finger tip, and a width each. Widths become regions by figures that were fitted on
-//! people left out, per horizon and speed. Refuses: to look farther than it was shown.
+//! Main types: [`ArmNet`], [`ArmForecast`]. From ten samples, 0.04 s apart, one recurrent net predicts ten further
+//! positions of shoulder, forearm, hand and finger tip, with a width each. Widths become regions by factors fitted on
+//! people left out of training, per horizon and speed. Refuses: to look farther ahead than it was trained for.
 
 use super::features::{ArmMotion, BODY};
 use super::net::squash::exp;
@@ -10,36 +10,36 @@ use super::net::{Affine, Lstm};
 use super::sample::{ARM_PARTS, ArmPoint, ArmSample, ArmVector};
 use serde::{Deserialize, Serialize};
 
-/// Samples that are observed, and steps that are forecast.
+/// Number of observed samples, and of forecast steps.
 pub const ARM_STEPS: usize = 10;
-/// Between samples, seconds.
+/// Time between samples, seconds.
 pub const ARM_STEP_S: f64 = 0.04;
-/// Numbers the net says: three coordinates and a width for every part at every step.
+/// Number of outputs of the net: three coordinates and a width for every part at every step.
 pub const ARM_FIGURES: usize = ARM_STEPS * ARM_PARTS * 4;
-/// Classes of the finger tip's speed, metres per second: below, between, above.
+/// Boundaries between the classes of the finger tip's speed, metres per second.
 pub const SPEED_CLASSES: [f64; 2] = [0.5, 1.5];
 
-/// Units per metre of the net's figures.
+/// Units of the net per metre.
 pub const ARM_SCALE: f64 = 10.0;
-/// Over so many seconds a speed is expected to fade where the net says nothing.
+/// Time in which a speed fades if the net predicts no change, seconds.
 const FADES_S: f64 = 0.25;
 
-/// The net.
+/// The net that forecasts an arm.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArmNet {
-    /// From figures of the body to a state.
+    /// From body features to a state.
     pub memory: Lstm,
     /// From the state to [`ARM_FIGURES`].
     pub out: Affine,
 }
 
-/// Places of the arm's parts in the next steps.
+/// Forecast positions of the arm's parts in the next steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmForecast {
     /// Middle of each part at each step.
     pub middle: [[ArmPoint; ARM_PARTS]; ARM_STEPS],
-    /// How wide, metres: a length that goes with the error, no region yet.
+    /// Width of each part at each step, metres: a length proportional to the error, not yet a region.
     pub width_m: [[f64; ARM_PARTS]; ARM_STEPS],
     /// Class of speed.
     pub class: usize,
@@ -50,7 +50,7 @@ pub fn speed_class(speed_mps: f64) -> usize {
     SPEED_CLASSES.iter().filter(|c| speed_mps > **c).count()
 }
 
-/// Where parts would be if their speeds faded.
+/// Positions of the parts if their speeds faded.
 pub fn fading(before: &ArmSample, last: &ArmSample) -> [[ArmPoint; ARM_PARTS]; ARM_STEPS] {
     let dt = (last.at_s - before.at_s).max(1e-3);
     let (old, new) = (before.parts(), last.parts());
@@ -62,7 +62,7 @@ pub fn fading(before: &ArmSample, last: &ArmSample) -> [[ArmPoint; ARM_PARTS]; A
 }
 
 impl ArmNet {
-    /// The forecast after [`ARM_STEPS`] samples; nothing of fewer than two.
+    /// The forecast after [`ARM_STEPS`] samples; nothing from fewer than two.
     pub fn forecast(&self, observed: &[ArmSample]) -> Option<ArmForecast> {
         let (first, last) = (observed.first()?, observed.last()?);
         let before = observed.get(observed.len().checked_sub(2)?)?;
@@ -79,13 +79,13 @@ impl ArmNet {
         Some(read(&said, &fading(before, last), speed_class(motion.velocity().norm())))
     }
 
-    /// What is wrong with its shape or figures.
+    /// What is wrong with the net's shape or weights, if anything.
     pub fn fault(&self) -> Option<String> {
         self.memory.fault(BODY).or_else(|| self.out.fault(self.memory.hidden, ARM_FIGURES))
     }
 }
 
-/// A forecast from what the net says beside fading speeds.
+/// A forecast from the net's outputs, which are relative to fading speeds.
 pub fn read(said: &[f32], base: &[[ArmPoint; ARM_PARTS]; ARM_STEPS], class: usize) -> ArmForecast {
     let figure = |k: usize, p: usize| &said[(k * ARM_PARTS + p) * 4..][..4];
     let middle = std::array::from_fn(|k| {

@@ -1,9 +1,9 @@
-//! Where a hand will end, told from the movement of the body alone: one memory for all places.
+//! Where a hand will end, from the movement of the body alone: one recurrent net for all places.
 //!
-//! Main types: [`EndNet`], [`EndState`]. After every step the net says where, as seen from the shoulder, the finger
-//! tip will end and in which direction its place will be seen from the head, with a spread each; a place is as
-//! probable as its distance from both allows. So its cost does not grow with the number of places, and a new place
-//! needs no history. Refuses: to know places.
+//! Main types: [`EndNet`], [`EndState`]. After every step the net predicts where, as seen from the shoulder, the finger
+//! tip will end and in which direction its place will be seen from the head, with a spread each; the probability of a
+//! place follows from its distance to both. So the cost does not grow with the number of places, and a new place needs
+//! no history. Refuses: to know places.
 
 use super::features::{ArmMotion, BODY};
 use super::net::squash::exp;
@@ -11,16 +11,16 @@ use super::net::{Affine, Lstm};
 use super::sample::{ReachTarget, angles};
 use serde::{Deserialize, Serialize};
 
-/// Coordinates of a place that are compared: where the hand ends (three), where it is seen (two).
+/// Number of compared coordinates of a place: where the hand ends (three), where it is seen (two).
 pub const ENDS: usize = 5;
-/// Numbers the net says: each coordinate and the logarithm of its sharpness.
+/// Number of outputs of the net: each coordinate and the logarithm of its sharpness.
 pub const END_FIGURES: usize = 2 * ENDS;
 
-/// The net.
+/// The net that predicts where a hand ends.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EndNet {
-    /// From figures of the body ([`BODY`]) to a state.
+    /// From body features ([`BODY`]) to a state.
     pub memory: Lstm,
     /// From the state to [`END_FIGURES`].
     pub out: Affine,
@@ -58,25 +58,25 @@ impl EndNet {
         EndState { h: vec![0.0; n], c: vec![0.0; n], z: vec![0.0; 4 * n] }
     }
 
-    /// Takes over what another state has seen.
+    /// Copies the state.
     pub fn copy(&self, from: &EndState, to: &mut EndState) {
         to.h.copy_from_slice(&from.h);
         to.c.copy_from_slice(&from.c);
     }
 
-    /// Forgets everything.
+    /// Resets the state.
     pub fn clear(&self, state: &mut EndState) {
         state.h.fill(0.0);
         state.c.fill(0.0);
     }
 
-    /// One step: the state takes the figures in, `said` is what the net says then.
+    /// One step: updates the state with the body features, and writes the net's outputs to `said`.
     pub fn step(&self, state: &mut EndState, body: &[f32; BODY], said: &mut [f32; END_FIGURES]) {
         self.memory.step(body, &mut state.h, &mut state.c, &mut state.z);
         self.out.apply(&state.h, said);
     }
 
-    /// What is wrong with its shape or figures.
+    /// What is wrong with the net's shape or weights, if anything.
     pub fn fault(&self) -> Option<String> {
         self.memory.fault(BODY).or_else(|| self.out.fault(self.memory.hidden, END_FIGURES))
     }

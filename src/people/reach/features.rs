@@ -1,28 +1,28 @@
-//! What nets are shown of a sample: figures of the body, and of the body beside each place it may reach for.
+//! Features for the nets: of the body, and of the body relative to each place it may reach for.
 //!
-//! Main types: [`ArmMotion`] (what is remembered of earlier samples: speeds and the last rest), [`BODY`], [`BESIDE`].
+//! Main types: [`ArmMotion`] (what is kept of earlier samples: speeds and the last rest), [`BODY`], [`BESIDE`].
 //! Everything is relative to the person or to a place, so that a place has no name and a rack no position. Refuses: to
 //! count samples; all rates are per second.
 
 use super::sample::{ArmPoint, ArmSample, ArmVector, ReachTarget, angles, ray};
 
-/// Figures of the body alone.
+/// Number of features of the body alone.
 pub const BODY: usize = 30;
-/// Figures of the body beside one place.
+/// Number of features of the body relative to one place.
 pub const BESIDE: usize = 22;
-/// Figures of joints beside one place, as published (Petković, section 5.2.2).
+/// Number of features of joints relative to one place, as published (Petković, section 5.2.2).
 pub const JOINTS: usize = 7;
-/// Those of them that were selected (section 5.2.1; eyes are not recorded here): hand and head.
+/// Number of these that were selected (section 5.2.1; eyes are not recorded here): hand and head.
 pub const SELECTED: usize = 2;
 
 /// Below this speed a finger tip rests, metres per second.
 const REST_MPS: f64 = 0.10;
-/// Over so many seconds a rest is forgotten for the next.
+/// Time in which a new rest replaces the previous one, seconds.
 const REST_TAKES_S: f64 = 0.08;
-/// Times longer than this are the same to the nets, seconds.
+/// Times longer than this are equal for the nets, seconds.
 const LONG_S: f64 = 2.0;
 
-/// The last rest.
+/// The last rest of the arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rest {
     finger: ArmPoint,
@@ -46,7 +46,7 @@ pub struct ArmMotion {
 }
 
 impl ArmMotion {
-    /// Of a person of whom nothing was seen before: at rest.
+    /// The motion of a person at rest, from a first sample.
     pub fn new(first: ArmSample) -> ArmMotion {
         let zero = ArmVector::zeros();
         let rest = Rest {
@@ -60,7 +60,7 @@ impl ArmMotion {
         ArmMotion { now: first, finger, change, hand, shoulder, yaw: 0.0, pitch: 0.0, rest }
     }
 
-    /// With one more sample, which is later.
+    /// The motion after one more, later sample.
     pub fn then(&self, next: ArmSample) -> ArmMotion {
         let dt = (next.at_s - self.now.at_s).max(1e-3);
         let finger = (next.finger - self.now.finger) / dt;
@@ -85,7 +85,7 @@ impl ArmMotion {
         }
     }
 
-    /// As it would be with a sample that comes before the next step is due; `earlier` is what was seen one step of
+    /// The motion as it would be with a sample that comes before the next step is due; `earlier` was seen one step of
     /// `step_s` before that sample. Speeds are those of a whole step, so that a fast sensor does not make them noisy.
     pub fn glimpse(&self, earlier: &ArmSample, now: ArmSample, step_s: f64) -> ArmMotion {
         ArmMotion {
@@ -114,7 +114,7 @@ impl ArmMotion {
         (self.now.at_s - self.rest.until_s).min(LONG_S)
     }
 
-    /// Figures of the body, scaled to about one.
+    /// Features of the body, scaled to about one.
     pub fn body(&self, out: &mut [f32]) {
         let now = &self.now;
         let groups = [
@@ -137,7 +137,7 @@ impl ArmMotion {
         out[BODY - angles.len()..].iter_mut().zip(angles).for_each(|(o, v)| *o = v as f32);
     }
 
-    /// Figures of the body beside one place.
+    /// Features of the body relative to one place.
     pub fn beside(&self, target: &ReachTarget, out: &mut [f32]) {
         let now = &self.now;
         let to = target.hand - now.finger;
@@ -182,9 +182,9 @@ impl ArmMotion {
         out.iter_mut().zip(figures).for_each(|(o, f)| *o = f as f32);
     }
 
-    /// Figures as published, of every joint and direction that is seen: distances from hand, head, forearm and
-    /// shoulder to the place; distances between unit vectors of head, upper arm and forearm and of the way from there
-    /// to the place. The first two are those that were selected: hand and head.
+    /// Features as published, of every joint and direction that is seen: distances from hand, head, forearm and
+    /// shoulder to the place; distances between unit vectors of head, upper arm and forearm and of the direction from
+    /// there to the place. The first two are the selected ones: hand and head.
     pub fn joints(&self, target: &ReachTarget, out: &mut [f32]) {
         let now = &self.now;
         let far = |p: ArmPoint| (target.hand - p).norm();

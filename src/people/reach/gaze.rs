@@ -1,26 +1,26 @@
-//! Where the eyes look when only the head is seen.
+//! Where the eyes look if only the head is seen.
 //!
-//! Main type: [`GazeModel`]. Eyes go farther than heads: the head's angles are stretched, by figures learned from a
+//! Main type: [`GazeModel`]. Eyes turn farther than heads: the head's angles are stretched, by weights learned from a
 //! wearer whose eyes were recorded. If places and their probabilities are known, the estimate is drawn towards them.
-//! What comes out is an estimate and must never be passed off as eyes. Refuses: to say which eye.
+//! The result is an estimate and must never be passed off as measured eyes. Refuses: to say which eye.
 
 use super::sample::{ArmPoint, ReachTarget, angles};
 use serde::{Deserialize, Serialize};
 
-/// Figures of a head that the estimate is linear in.
+/// Number of head features that the estimate is linear in.
 pub const GAZE_FIGURES: usize = 8;
 
-/// The model.
+/// Model of where the eyes look.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GazeModel {
     /// Weights of [`gaze_figures`] for yaw and pitch.
     pub weights: [[f64; GAZE_FIGURES]; 2],
-    /// Share of the way from there to the probable places, where those are known surely.
+    /// Share of the distance by which the estimate moves to the probable places, if those are known surely.
     pub drawn: f64,
 }
 
-/// Head angles (radians) and their speeds (radians per second) as the estimate takes them.
+/// Features of head angles (radians) and their speeds (radians per second).
 pub fn gaze_figures(head: (f64, f64), speed: (f64, f64)) -> [f64; GAZE_FIGURES] {
     let (yaw, pitch) = head;
     let clamp = |v: f64| v.clamp(-3.0, 3.0);
@@ -35,7 +35,7 @@ impl GazeModel {
         (sum(&self.weights[0]), sum(&self.weights[1]))
     }
 
-    /// The same, drawn towards the places a hand may go to.
+    /// Yaw and pitch of the eyes, drawn towards the places that a hand may go to.
     pub fn with_places(
         &self,
         head: (f64, f64),
@@ -58,7 +58,7 @@ impl GazeModel {
         (alone.0 + (yaw / all - alone.0) * drawn, alone.1 + (pitch / all - alone.1) * drawn)
     }
 
-    /// What is wrong with its figures.
+    /// What is wrong with the model's weights, if anything.
     pub fn fault(&self) -> Option<String> {
         let is_sound = self.weights.iter().flatten().all(|w| w.abs() < 100.0);
         (!is_sound || !(0.0..=1.0).contains(&self.drawn))

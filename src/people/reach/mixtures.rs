@@ -1,8 +1,8 @@
 //! Where palms pass on their way to a place: a sum of Gaussians per place (seed 002, equations 2 to 5).
 //!
 //! Main types: [`PalmMixture`], [`PalmGaussian`]. Points are relative to the shoulder. Corrected: the density has
-//! |Σ|^½, and sums over points that lie close in time are tempered by their number, since they are anything but
-//! independent. Refuses: to say anything of a place nobody was seen to reach for.
+//! |Σ|^½, and sums over points close in time are tempered by their number, since such points are far from independent.
+//! Refuses: to say anything of a place that nobody was seen to reach for.
 
 use super::sample::ArmVector;
 use nalgebra::Matrix3;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PalmGaussian {
-    /// Its share of the points.
+    /// Share of the points in this Gaussian.
     pub share: f64,
     /// Mean, metres from the shoulder.
     pub mean: [f64; 3],
@@ -20,28 +20,28 @@ pub struct PalmGaussian {
     pub whitening: [f64; 6],
 }
 
-/// The points of one place.
+/// The palm points of one place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PalmMixture {
     /// Name of the place.
     pub place: String,
-    /// Its Gaussians.
+    /// Gaussians of the place.
     pub parts: Vec<PalmGaussian>,
 }
 
-/// Smallest density, as a logarithm: a point far from all is a surprise, no proof.
+/// Smallest density, as a logarithm: a point far from all others is a surprise, not a proof.
 const FLOOR: f64 = -30.0;
 
 impl PalmGaussian {
-    /// With a mean and a covariance; nothing if that is none.
+    /// A Gaussian with a mean and a covariance; nothing if the matrix is not a covariance.
     pub fn new(share: f64, mean: ArmVector, cov: Matrix3<f64>) -> Option<PalmGaussian> {
         let root = cov.cholesky()?.l().try_inverse()?;
         let whitening = [root[(0, 0)], root[(1, 0)], root[(1, 1)], root[(2, 0)], root[(2, 1)], root[(2, 2)]];
         Some(PalmGaussian { share, mean: mean.into(), whitening })
     }
 
-    /// Logarithm of its weighted density at a point (equation 3 with |Σ|^½).
+    /// Logarithm of the weighted density at a point (equation 3 with |Σ|^½).
     pub fn log_density(&self, at: ArmVector) -> f64 {
         let [x, y, z] = [at.x - self.mean[0], at.y - self.mean[1], at.z - self.mean[2]];
         let w = &self.whitening;
@@ -63,13 +63,13 @@ impl PalmMixture {
         highest + libm::log(logs.map(|l| libm::exp(l - highest)).sum::<f64>())
     }
 
-    /// Logarithm of the density of points (equations 4 and 5), tempered: divided by the root of their number.
+    /// Logarithm of the density of points (equations 4 and 5), tempered: divided by the square root of their number.
     pub fn log_likelihood(&self, points: &[ArmVector]) -> f64 {
         let sum: f64 = points.iter().map(|p| self.log_density(*p)).sum();
         sum / libm::sqrt(points.len().max(1) as f64)
     }
 
-    /// What is wrong with its figures.
+    /// What is wrong with the mixture's figures, if anything.
     pub fn fault(&self) -> Option<String> {
         let is_sound = |p: &PalmGaussian| {
             let figures = p.mean.iter().chain(&p.whitening);

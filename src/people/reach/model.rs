@@ -1,8 +1,8 @@
 //! All learned figures about people at arm's length in one file.
 //!
-//! Main types: [`PickModel`], [`PickModelError`]. `giveway learn picks` writes it, the server and simulations load
-//! it; without one the built-in figures hold, which were learned from simulated people. Refuses: other versions,
-//! wrong shapes and figures that cannot be, by name.
+//! Main types: [`PickModel`], [`PickModelError`]. `giveway learn picks` writes the file, the server and simulations
+//! load it; without one the built-in figures apply, which were learned from simulated people. Refuses: other versions,
+//! wrong shapes and impossible figures, by name.
 
 use super::arm::{ARM_STEPS, ArmForecast, ArmNet, SPEED_CLASSES};
 use super::ends::EndNet;
@@ -12,46 +12,46 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, LazyLock};
 
-/// Of the form of the file.
+/// Version of the file's format.
 pub const PICK_MODEL_VERSION: u32 = 2;
-/// Classes of speed.
+/// Number of speed classes.
 pub const CLASSES: usize = SPEED_CLASSES.len() + 1;
 
 /// Learned figures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PickModel {
-    /// Of the form of this file.
+    /// Version of the file's format.
     pub version: u32,
-    /// What it was learned from.
+    /// The sources that the model was learned from.
     pub sources: Vec<String>,
-    /// The command that makes it again.
+    /// The command that makes the model again.
     pub command: String,
-    /// Seed of all chance.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// People it was learned from.
+    /// The people that the model was learned from.
     pub people: Vec<String>,
-    /// Groups of people, each left out once: temperatures, regions and scores are of people left out.
+    /// Number of groups of people, each left out once: temperatures, regions and scores come from people left out.
     pub folds: usize,
-    /// How well it did on people left out.
+    /// Scores on people left out.
     pub left_out: LeftOutScores,
-    /// Which place.
+    /// Model of which place a hand goes to.
     pub slots: SlotModel,
-    /// Where the arm will be.
+    /// Model of where the arm will be.
     pub arm: ArmModel,
-    /// Where the eyes look.
+    /// Model of where the eyes look.
     pub gaze: GazeModel,
 }
 
-/// Figures on people left out.
+/// Scores on people left out of training.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LeftOutScores {
-    /// Movements.
+    /// Number of movements.
     pub movements: usize,
-    /// Share of right places, mean over ten parts of the way.
+    /// Share of right places, averaged over ten parts of the way.
     pub top1_mean: f64,
-    /// Nats.
+    /// Mean negative log-likelihood, nats.
     pub nll: f64,
     /// Expected calibration error.
     pub ece: f64,
@@ -61,50 +61,50 @@ pub struct LeftOutScores {
     pub hand_cov95: [f64; 2],
 }
 
-/// Which place a hand goes to.
+/// Model of which place a hand goes to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlotModel {
-    /// Their scores are averaged as logarithms of probabilities.
+    /// Nets whose scores are averaged as logarithms of probabilities.
     pub nets: Vec<EndNet>,
-    /// Scores are multiplied with it (the inverse of a temperature).
+    /// Factor on scores (the inverse of a temperature).
     pub sharpness: f64,
     /// Score of "none of these places".
     pub none: f64,
     /// Sharpness per metre of the rule by distance of the finger tip.
     pub hand_rule: f64,
-    /// Sharpness of the rule by distance of head ray and place.
+    /// Sharpness of the rule by distance between head ray and place.
     pub head_rule: f64,
 }
 
-/// Where the arm will be.
+/// Model of where the arm will be.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArmModel {
-    /// Their forecasts are averaged.
+    /// Nets whose forecasts are averaged.
     pub nets: Vec<ArmNet>,
-    /// Radius of the 95 % region in widths, by class of speed, step and part.
+    /// Radius of the 95 % region in units of width, by class of speed, step and part.
     pub regions: Vec<[[f64; ARM_PARTS]; ARM_STEPS]>,
 }
 
-/// A file that is no model.
+/// Why a file is no model.
 #[derive(Debug, thiserror::Error)]
 pub enum PickModelError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("this is not a model of picks: {0}; make one with `giveway learn picks`")]
     Unreadable(#[from] serde_json::Error),
-    /// It is of another version.
+    /// The file has another version.
     #[error(
         "the model has version {0}; this program reads version {PICK_MODEL_VERSION}: make a new one with \
          `giveway learn picks`"
     )]
     Version(u64),
-    /// Its figures cannot be.
+    /// The file has impossible figures.
     #[error("the model's {0}; make a new one with `giveway learn picks`")]
     Figures(String),
 }
 
-/// The file: the model, and what was learned of published methods, which only experiments read.
+/// The file's content: the model, and the learned published methods, which only experiments read.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PickFile {
@@ -114,7 +114,7 @@ struct PickFile {
     published: IgnoredAny,
 }
 
-/// Only the version.
+/// The version alone.
 #[derive(Deserialize)]
 struct Versioned {
     model: VersionOnly,
@@ -126,7 +126,7 @@ struct VersionOnly {
 }
 
 impl PickModel {
-    /// Reads a file.
+    /// Reads a model file.
     pub fn parse(text: &str) -> Result<PickModel, PickModelError> {
         let versioned: Versioned = serde_json::from_str(text)?;
         if versioned.model.version != u64::from(PICK_MODEL_VERSION) {
@@ -139,7 +139,7 @@ impl PickModel {
         }
     }
 
-    /// The text of its file, which reads back as the same model.
+    /// The text of the model's file, which reads back as the same model.
     pub fn to_json(&self) -> String {
         serde_json::json!({ "model": self }).to_string()
     }
@@ -152,7 +152,7 @@ impl PickModel {
         BUILTIN.clone()
     }
 
-    /// The built-in file.
+    /// Text of the built-in file.
     pub const BUILTIN: &str = include_str!("builtin.json");
 
     fn fault(&self) -> Option<String> {
@@ -198,7 +198,7 @@ impl ArmModel {
         self.nets.iter().find_map(ArmNet::fault)
     }
 
-    /// Where the arm will be: the mean of all nets, in 95 % regions of [`ArmModel::radius_m`].
+    /// Forecast of the arm: the mean of all nets, with 95 % regions by [`ArmModel::radius_m`].
     pub fn forecast(&self, observed: &[ArmSample]) -> Option<ArmForecast> {
         average(self.nets.iter().map(|net| net.forecast(observed)).collect::<Option<Vec<_>>>()?)
     }
@@ -209,7 +209,7 @@ impl ArmModel {
     }
 }
 
-/// The mean of several forecasts; nothing of none.
+/// The mean of several forecasts; nothing if there are none.
 pub fn average(all: Vec<ArmForecast>) -> Option<ArmForecast> {
     let count = all.len() as f64;
     let mut mean = all.first()?.clone();

@@ -1,9 +1,9 @@
-//! The published predictor and its variants: a net that looks at the person beside each place.
+//! The published predictor and its variants: a net that evaluates the person relative to each place.
 //!
 //! Main types: [`PlaceNet`], [`PlaceState`], [`PlaceBank`]. One net with the same weights for every place (Petković,
-//! section 5.2.1), its inputs selected, or pressed through a narrow layer, or one net for all places together (FULL,
-//! ALL). Corrected: it keeps a state instead of a buffer of frames; a place that is new replays its own last frames
-//! instead of taking the state of a neighbour. Refuses: to know more of a place than distances.
+//! section 5.2.1), its inputs selected, or passed through a narrow layer, or one net for all places together (FULL,
+//! ALL). Corrected: it keeps a state instead of a buffer of frames; a new place replays its own last frames instead of
+//! taking the state of a neighbour. Refuses: to know more of a place than distances.
 
 use super::features::{ArmMotion, JOINTS};
 use super::net::squash::{sigmoid, softmax};
@@ -12,7 +12,7 @@ use super::sample::ReachTarget;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-/// What remembers.
+/// The recurrent part of a net.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlaceCore {
@@ -22,34 +22,34 @@ pub enum PlaceCore {
     Elman(Elman),
 }
 
-/// A narrow layer of sigmoids between all figures and those that the core takes in (section 5.2.2).
+/// A narrow layer of sigmoids between all features and those that the core takes (section 5.2.2).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bottleneck {
-    /// To the narrow layer.
+    /// Map to the narrow layer.
     pub narrow: Affine,
-    /// From it.
+    /// Map from the narrow layer.
     pub wide: Affine,
 }
 
-/// The net.
+/// A net that scores places.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceNet {
-    /// Figures per place: the first so many of [`ArmMotion::joints`].
+    /// Number of features per place: the first ones of [`ArmMotion::joints`].
     pub figures: usize,
-    /// Places it looks at together; 1 where weights are shared.
+    /// Number of places evaluated together; 1 if weights are shared.
     pub group: usize,
-    /// The narrow layer, if it has one.
+    /// The narrow layer, if the net has one.
     pub front: Option<Bottleneck>,
-    /// The memory.
+    /// The recurrent part.
     pub core: PlaceCore,
-    /// From the state to one score per place.
+    /// Map from the state to one score per place.
     pub out: Affine,
 }
 
 impl PlaceCore {
-    /// Length of its state.
+    /// Length of the net's state.
     pub fn hidden(&self) -> usize {
         match self {
             PlaceCore::Lstm(lstm) => lstm.hidden,
@@ -66,12 +66,12 @@ impl PlaceCore {
 }
 
 impl PlaceNet {
-    /// What the core takes in.
+    /// Number of inputs of the core.
     pub fn core_inputs(&self) -> usize {
         self.front.as_ref().map_or(self.figures * self.group, |f| f.wide.outputs)
     }
 
-    /// Rounds all weights to what a file holds.
+    /// Rounds all weights to the precision of a file.
     pub fn round(&mut self) {
         let core = match &mut self.core {
             PlaceCore::Lstm(lstm) => &mut lstm.gates,
@@ -85,7 +85,7 @@ impl PlaceNet {
         }
     }
 
-    /// What is wrong with its shape or figures.
+    /// What is wrong with the net's shape or weights, if anything.
     pub fn fault(&self) -> Option<String> {
         if !(1..=JOINTS).contains(&self.figures) || !(1..=1000).contains(&self.group) {
             return Some(format!("a net of {} figures for {} places cannot be", self.figures, self.group));
@@ -102,7 +102,7 @@ impl PlaceNet {
     }
 }
 
-/// What a net remembers of the place, or of all the places, that it looks at; and room to compute in.
+/// A net's state for its place, or for all its places, with scratch space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlaceState {
     h: Vec<f32>,
@@ -127,7 +127,8 @@ impl PlaceNet {
         }
     }
 
-    /// One step: `figures` of all places that the net looks at together, in order. Returns one score per place.
+    /// One step: `figures` has the features of all places that the net evaluates together, in order. Returns one score
+    /// per place.
     pub fn step<'s>(&self, figures: &[f32], state: &'s mut PlaceState) -> &'s [f32] {
         let input = match &self.front {
             Some(front) => {
@@ -150,10 +151,10 @@ impl PlaceNet {
     }
 }
 
-/// Frames that a new place replays.
+/// Number of frames that a new place replays.
 const REPLAYED: usize = 25;
 
-/// One place and the net's state beside it.
+/// One place and the net's state for it.
 #[derive(Clone, Debug, PartialEq)]
 struct Watched {
     target: ReachTarget,
@@ -170,27 +171,27 @@ pub struct PlaceBank<'a> {
 }
 
 impl<'a> PlaceBank<'a> {
-    /// Without places; nothing if the net looks at several places together.
+    /// A bank without places; nothing if the net evaluates several places together.
     pub fn new(net: &'a PlaceNet) -> Option<PlaceBank<'a>> {
         let frames = VecDeque::with_capacity(REPLAYED + 1);
         (net.group == 1).then(|| PlaceBank { net, watched: Vec::new(), frames })
     }
 
-    /// Adds a place: the net sees it beside the last second, as if it had been there.
+    /// Adds a place: the net evaluates it over the last second, as if it had been there.
     pub fn add(&mut self, target: ReachTarget) {
         let mut watched = Watched { target, state: self.net.state(), score: 0.0 };
         self.frames.iter().for_each(|motion| watched.look(self.net, motion));
         self.watched.push(watched);
     }
 
-    /// Takes a place away.
+    /// Removes a place.
     pub fn remove(&mut self, place: usize) {
         if place < self.watched.len() {
             self.watched.remove(place);
         }
     }
 
-    /// One step.
+    /// One step for all places.
     pub fn observe(&mut self, motion: &ArmMotion) {
         if self.frames.len() == REPLAYED {
             self.frames.pop_front();
@@ -199,7 +200,7 @@ impl<'a> PlaceBank<'a> {
         self.watched.iter_mut().for_each(|w| w.look(self.net, motion));
     }
 
-    /// Probabilities of the places in their order, at a temperature.
+    /// Probabilities of the places in their order, with scores multiplied by `sharpness`.
     pub fn probabilities(&self, sharpness: f64, out: &mut Vec<f64>) {
         out.clear();
         out.extend(self.watched.iter().map(|w| w.score * sharpness));
@@ -241,7 +242,7 @@ mod tests {
         ArmMotion::new(ArmSample { at_s, shoulder, forearm, hand, finger, head, yaw: 0.0, pitch: 0.0 })
     }
 
-    /// Figure 5.8 of Petković: the place that is meant comes at one time, goes, and comes again.
+    /// Figure 5.8 of Petković: the target place appears, disappears, and appears again.
     #[test]
     fn a_place_that_comes_back_is_judged_by_its_own_last_second() {
         let net = net();

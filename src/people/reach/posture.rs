@@ -1,15 +1,15 @@
-//! Shoulders and elbows of which only head and hands are seen.
+//! Shoulders and elbows of a person of whom only head and hands are seen.
 //!
 //! Main types: [`BodyLengths`] (of one wearer, learned while hands are seen), [`ArmEstimate`]. A headset sees head,
 //! wrists, palms and finger tips; shoulders follow from the head, elbows from both ends of the arm, each with a
-//! standard deviation. Shares of the body height are those of Winter, Biomechanics and Motor Control of Human
-//! Movement. Refuses: pictures, and hands that no arm reaches.
+//! standard deviation. Shares of the body height are those of Winter, Biomechanics and Motor Control of Human Movement.
+//! Refuses: pictures, and hands that no arm reaches.
 
 use super::sample::{ArmPoint, ArmSample, ArmVector, ray};
 
-/// Share of the height at which the middle of the head is.
+/// Height of the middle of the head, as a share of the body height.
 const HEAD: f64 = 0.935;
-/// From there down to the shoulders, and half of their width, shares of the height.
+/// Distance from there down to the shoulders, and half the shoulders' width, shares of the height.
 const DROP: f64 = 0.115;
 const HALF_WIDTH: f64 = 0.11;
 /// Upper arm and lower arm, shares of the height.
@@ -18,77 +18,78 @@ const LOWER: f64 = 0.146;
 /// From wrist to palm and to finger tip, shares of the height.
 const PALM: f64 = 0.045;
 const FINGER: f64 = 0.105;
-/// Standard deviation of lengths between people of one height, a share.
+/// Relative standard deviation of lengths between people of one height.
 const PEOPLE: f64 = 0.05;
 /// Share of a head's turn that the chest turns with it.
 const CHEST_TURNS: f64 = 0.25;
 /// Standard deviation of a shoulder seen from the head, metres: people lean and shrug.
 const SHOULDER_M: f64 = 0.04;
-/// Turn of an elbow round the line from shoulder to wrist: from straight down outward, and its standard deviation.
+/// Rotation of an elbow about the line from shoulder to wrist, from straight down outward, and its standard deviation,
+/// radians.
 const SWIVEL: (f64, f64) = (0.4, 0.35);
-/// A hand that is farther than the arm is long by so much belongs to somebody else, a share.
+/// A hand farther than the arm's length times this belongs to another person.
 const STRANGE: f64 = 1.35;
-/// Heights that are believed, metres.
+/// Range of plausible heights, metres.
 const HEIGHTS_M: [f64; 2] = [1.3, 2.2];
 
-/// Lengths of one wearer's body, metres. Kept in memory and gone with the shift.
+/// Lengths of one wearer's body, metres. Kept in memory only, and dropped with the shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyLengths {
     /// Body height.
     pub height_m: f64,
-    /// From shoulder to wrist, of a straight arm.
+    /// Distance from shoulder to wrist of a straight arm.
     pub arm_m: f64,
-    /// Standard deviation of that.
+    /// Standard deviation of the arm's length.
     pub arm_sd_m: f64,
 }
 
-/// What is seen of one arm: places in the frame of the opening.
+/// What is seen of one arm: positions in the frame of the opening.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenArm {
-    /// Whether it is the left one.
+    /// Whether it is the left arm.
     pub is_left: bool,
-    /// Wrist.
+    /// Position of the wrist.
     pub wrist: ArmPoint,
-    /// Palm.
+    /// Position of the palm.
     pub palm: ArmPoint,
-    /// Tip of the index finger.
+    /// Position of the tip of the index finger.
     pub finger: ArmPoint,
 }
 
 /// What is seen of a head.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenHead {
-    /// Its middle.
+    /// Position of the head's middle.
     pub at: ArmPoint,
-    /// Yaw, left positive.
+    /// Yaw of the head, left positive, radians.
     pub yaw: f64,
-    /// Pitch, up positive.
+    /// Pitch of the head, up positive, radians.
     pub pitch: f64,
 }
 
-/// An arm with what was not seen of it.
+/// An arm with the estimated parts that were not seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmEstimate {
-    /// Shoulder.
+    /// Position of the shoulder.
     pub shoulder: ArmPoint,
-    /// Its standard deviation in every direction, metres.
+    /// Standard deviation of the shoulder in every direction, metres.
     pub shoulder_sd_m: f64,
-    /// Elbow.
+    /// Position of the elbow.
     pub elbow: ArmPoint,
-    /// Its standard deviation in every direction, metres.
+    /// Standard deviation of the elbow in every direction, metres.
     pub elbow_sd_m: f64,
 }
 
 impl BodyLengths {
-    /// Of a wearer whose head was this high above the floor when standing.
+    /// Lengths of a wearer whose head was this high above the floor when standing.
     pub fn of_head(head_m: f64) -> BodyLengths {
         let height_m = (head_m / HEAD).clamp(HEIGHTS_M[0], HEIGHTS_M[1]);
         let arm_m = (UPPER + LOWER) * height_m;
         BodyLengths { height_m, arm_m, arm_sd_m: arm_m * PEOPLE }
     }
 
-    /// With one more look at head and arm. Heads are highest when people stand; an arm is at least as long as it
-    /// reaches, and one that reaches as far again and again is known better.
+    /// Updates the lengths with one more look at head and arm. Heads are highest when people stand; an arm is at least
+    /// as long as it reaches, and repeated reaches of the same length make it better known.
     pub fn learn(&mut self, head: &SeenHead, arm: &SeenArm) {
         let height_m = (head.at.z / HEAD).clamp(HEIGHTS_M[0], HEIGHTS_M[1]);
         if height_m > self.height_m {
@@ -99,7 +100,7 @@ impl BodyLengths {
         if reach_m > self.arm_m * STRANGE {
             return;
         }
-        // Shoulders come along when an arm is stretched, so a little more than its length is no proof.
+        // Shoulders move along when an arm is stretched, so a little more than its length is no proof.
         let variance = self.arm_sd_m * self.arm_sd_m;
         let noise = SHOULDER_M * SHOULDER_M;
         if reach_m > self.arm_m {
@@ -111,7 +112,7 @@ impl BodyLengths {
         }
     }
 
-    /// Where a shoulder is by the head alone.
+    /// Position of a shoulder from the head alone.
     pub fn shoulder(&self, head: &SeenHead, is_left: bool) -> ArmPoint {
         let ahead = ray(CHEST_TURNS * head.yaw, 0.0);
         let left = ArmVector::new(-ahead.y, ahead.x, 0.0);
@@ -129,7 +130,7 @@ impl BodyLengths {
             return None;
         }
         let ahead = way.try_normalize(1e-6)?;
-        // A shoulder goes along with a hand that is farther than the arm is long.
+        // If the hand is farther than the arm is long, the shoulder moves along with it.
         shoulder += ahead * lacks_m.max(0.0);
         let (upper, lower) = (self.arm_m * UPPER / (UPPER + LOWER), self.arm_m * LOWER / (UPPER + LOWER));
         let far = (arm.wrist - shoulder).norm().clamp((upper - lower).abs() + 0.01, 0.998 * self.arm_m);
@@ -140,15 +141,14 @@ impl BodyLengths {
         let down = (down - ahead * down.dot(&ahead)).try_normalize(1e-6).unwrap_or_else(ArmVector::y);
         let elbow = shoulder + ahead * along + down * aside;
         let shoulder_sd_m = SHOULDER_M + 0.25 * lacks_m.max(0.0);
-        // Half of the shoulder's doubt, the swivel's, and what the lengths leave open when the arm is nearly straight.
+        // Half of the shoulder's error, the swivel's, and what the lengths leave open when the arm is nearly straight.
         let lengths = self.arm_sd_m * (0.5 * self.arm_m / aside.max(0.05)).min(1.0);
         let parts = [0.5 * shoulder_sd_m, aside * SWIVEL.1, lengths];
         let elbow_sd_m = libm::sqrt(parts.iter().map(|p| p * p).sum());
         Some(ArmEstimate { shoulder, shoulder_sd_m, elbow, elbow_sd_m })
     }
 
-    /// A sample as trackers take it, seen at a time; a left arm becomes a right one, with the places beside it
-    /// mirrored.
+    /// A sample for trackers, seen at `at_s`; a left arm becomes a right one, with the places mirrored.
     pub fn sample(&self, at_s: f64, head: &SeenHead, arm: &SeenArm) -> Option<ArmSample> {
         let ArmEstimate { shoulder, elbow, .. } = self.arm(head, arm)?;
         let sample = ArmSample {

@@ -1,7 +1,7 @@
 //! What is seen of a person at arm's length at one instant.
 //!
-//! Main types: [`ArmSample`], [`ReachTarget`]. Metres and radians in the frame of the opening: x into it, y to the
-//! left of the person who stands before it, z up. Refuses: to know where the frame is in the hall.
+//! Main types: [`ArmSample`], [`ReachTarget`]. Metres and radians in the frame of the opening: x into it, y to the left
+//! of the person before it, z up. Refuses: to know where the frame is in the hall.
 
 use nalgebra::{Point3, Vector3};
 
@@ -13,34 +13,34 @@ pub type ArmVector = Vector3<f64>;
 /// A person's arm and head at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmSample {
-    /// When it was seen, seconds.
+    /// Time of the sample, seconds.
     pub at_s: f64,
-    /// The shoulder of the reaching arm.
+    /// Position of the reaching arm's shoulder.
     pub shoulder: ArmPoint,
-    /// Between elbow and wrist.
+    /// Position of the forearm, between elbow and wrist.
     pub forearm: ArmPoint,
-    /// The palm.
+    /// Position of the palm.
     pub hand: ArmPoint,
-    /// The tip of the index finger.
+    /// Position of the tip of the index finger.
     pub finger: ArmPoint,
-    /// The middle of the head.
+    /// Position of the head's middle.
     pub head: ArmPoint,
-    /// Where the head points: yaw, to the left positive.
+    /// Yaw of the head, left positive, radians.
     pub yaw: f64,
-    /// And pitch, up positive.
+    /// Pitch of the head, up positive, radians.
     pub pitch: f64,
 }
 
-/// A place a hand can go to.
+/// A place that a hand can go to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReachTarget {
     /// Where the finger tip ends.
     pub hand: ArmPoint,
-    /// Where a person looks who reaches for it.
+    /// Where a person who reaches for it looks.
     pub look: ArmPoint,
 }
 
-/// Parts of the arm whose places are forecast, in this order: shoulder, forearm, hand, finger tip.
+/// Number of forecast parts of the arm, in this order: shoulder, forearm, hand, finger tip.
 pub const ARM_PARTS: usize = 4;
 
 impl ArmSample {
@@ -49,7 +49,7 @@ impl ArmSample {
         [self.shoulder, self.forearm, self.hand, self.finger]
     }
 
-    /// The same instant seen in a mirror: what was left is right. A left arm becomes a right one.
+    /// The sample mirrored left to right: a left arm becomes a right one.
     pub fn mirrored(&self) -> ArmSample {
         let flip = |p: ArmPoint| ArmPoint::new(p.x, -p.y, p.z);
         ArmSample {
@@ -64,7 +64,7 @@ impl ArmSample {
         }
     }
 
-    /// Between this one and a later one; `share` from 0 (this one) to 1.
+    /// Interpolates between this sample and a later one; `share` from 0 (this one) to 1.
     pub fn towards(&self, later: &ArmSample, share: f64) -> ArmSample {
         let at = |a: ArmPoint, b: ArmPoint| a + (b - a) * share;
         ArmSample {
@@ -81,7 +81,7 @@ impl ArmSample {
 }
 
 impl ReachTarget {
-    /// The same place seen in a mirror.
+    /// The place mirrored left to right.
     pub fn mirrored(&self) -> ReachTarget {
         let flip = |p: ArmPoint| ArmPoint::new(p.x, -p.y, p.z);
         ReachTarget { hand: flip(self.hand), look: flip(self.look) }

@@ -1,9 +1,9 @@
-//! One hand while it is watched: samples in, probabilities of places out.
+//! Tracks one hand: samples in, probabilities of places out.
 //!
 //! Main type: [`SlotTracker`]. The nets step every 0.04 s of the samples' own time, whatever their rate; a sample
-//! between two steps is looked at with a copy of the state. So sensors of 30 and of 60 Hz are told the same. Places
-//! come and go between any two samples. After its first second nothing here allocates. Refuses: samples that go back
-//! in time.
+//! between two steps is evaluated with a copy of the state. So sensors of 30 and of 60 Hz give the same result. Places
+//! come and go between any two samples. After its first second nothing here allocates. Refuses: samples that go back in
+//! time.
 
 use super::ends::{END_FIGURES, EndState, end_coordinates, end_score};
 use super::features::{ArmMotion, BODY};
@@ -14,14 +14,14 @@ use std::sync::Arc;
 
 /// Step of the nets, seconds.
 const STEP_S: f64 = 0.04;
-/// After a gap this long the hand is a new one, seconds.
+/// After a gap this long the hand counts as a new one, seconds.
 const GAP_S: f64 = 0.4;
-/// Samples that are kept: enough for one step at 240 Hz.
+/// Number of samples kept: enough for one step at 240 Hz.
 const KEPT: usize = 12;
-/// Probability beforehand that a hand goes to none of the places.
+/// Prior probability that a hand goes to none of the places.
 const NONE: f64 = 0.005;
 
-/// A hand that is watched.
+/// The tracker of one hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotTracker {
     model: Arc<PickModel>,
@@ -38,7 +38,7 @@ pub struct SlotTracker {
 }
 
 impl SlotTracker {
-    /// Of a hand that was not seen yet; it knows no places.
+    /// A tracker of a hand not seen yet, without places.
     pub fn new(model: Arc<PickModel>) -> SlotTracker {
         let states: Vec<EndState> = model.slots.nets.iter().map(|n| n.state()).collect();
         SlotTracker {
@@ -56,8 +56,8 @@ impl SlotTracker {
         }
     }
 
-    /// The places from now on, and which of them is lit, if one is, with the share of reaches that go to it. Places
-    /// need no history: what was seen of the hand counts for all of them.
+    /// Sets the places, and which of them is lit, if any, with the share of reaches that go to it. Places need no
+    /// history: what was seen of the hand counts for all of them.
     pub fn set_places(&mut self, targets: &[ReachTarget], lit: Option<(usize, f64)>) {
         self.targets.clear();
         self.targets.extend_from_slice(targets);
@@ -72,7 +72,7 @@ impl SlotTracker {
         self.weigh();
     }
 
-    /// One sample. One that is not later than the last is left out.
+    /// Processes one sample. A sample that is not later than the last one is dropped.
     pub fn observe(&mut self, sample: ArmSample) {
         let Some((motion, is_new)) = self.advance(sample) else { return };
         if !is_new && sample.at_s - motion.now().at_s > 1e-3 {
@@ -81,8 +81,8 @@ impl SlotTracker {
         self.weigh();
     }
 
-    /// The same for who looks seldom: the nets are asked only when their step is due, so that probabilities may be a
-    /// step old, at a third of the cost.
+    /// Processes one sample for callers that rarely read the result: the nets are evaluated only when their step is
+    /// due, so that probabilities may be a step old, at a third of the cost.
     pub fn follow(&mut self, sample: ArmSample) {
         let due_s = self.next_s;
         if let Some((_, is_new)) = self.advance(sample)
@@ -92,8 +92,8 @@ impl SlotTracker {
         }
     }
 
-    /// Takes a sample in, with the steps that are due. How the hand moves as of the last step, and whether it is a new
-    /// hand; nothing for a sample that is left out.
+    /// Processes a sample with the steps that are due. Gives the motion as of the last step, and whether it is a new
+    /// hand; nothing for a dropped sample.
     fn advance(&mut self, sample: ArmSample) -> Option<(ArmMotion, bool)> {
         let last = self.kept[self.newest];
         let Some((motion, last)) = self.motion.zip(last).filter(|(_, l)| sample.at_s - l.at_s < GAP_S) else {
@@ -146,7 +146,7 @@ impl SlotTracker {
         }
     }
 
-    /// What was seen at a time, between two samples.
+    /// The sample at a time, interpolated between two samples.
     fn seen_at(&self, at_s: f64) -> Option<ArmSample> {
         let back = |k: usize| self.kept[(self.newest + KEPT - k) % KEPT];
         for k in 0..KEPT - 1 {
@@ -159,7 +159,7 @@ impl SlotTracker {
         None
     }
 
-    /// Probabilities from what the nets said last.
+    /// Computes probabilities from the nets' last outputs.
     fn weigh(&mut self) {
         self.probabilities.clear();
         self.probabilities.resize(self.targets.len() + 1, 0.0);
@@ -182,7 +182,7 @@ impl SlotTracker {
         softmax(&mut self.probabilities);
     }
 
-    /// Probabilities of the places in their order; what is missing to one is that of none of them.
+    /// Probabilities of the places in their order; the remainder to one is that of none of them.
     pub fn probabilities(&self) -> &[f64] {
         &self.probabilities[..self.targets.len().min(self.probabilities.len())]
     }
@@ -192,7 +192,7 @@ impl SlotTracker {
         self.probabilities.get(self.targets.len()).copied().unwrap_or(1.0)
     }
 
-    /// How the hand moves; nothing before it was seen.
+    /// The hand's motion; nothing before it was seen.
     pub fn motion(&self) -> Option<&ArmMotion> {
         self.motion.as_ref()
     }
@@ -212,7 +212,7 @@ mod tests {
         places.map(target).collect()
     }
 
-    /// A hand on its way to a place, at a share of it.
+    /// A hand on its way to a place, `at_s` seconds after its start.
     fn on_the_way(target: &ReachTarget, at_s: f64) -> ArmSample {
         let s = (at_s / 0.8).clamp(0.0, 1.0);
         let share = s * s * s * (10.0 + s * (6.0 * s - 15.0));
@@ -262,7 +262,7 @@ mod tests {
     fn who_looks_seldom_is_told_the_same_at_each_step() {
         let mut seldom = SlotTracker::new(PickModel::builtin());
         seldom.set_places(&rack(), None);
-        // The twelfth sample of 60 a second is at the fifth step of 25.
+        // The twelfth sample at 60 per second is at the fifth step at 25.
         (0..=24).for_each(|k| seldom.follow(on_the_way(&rack()[2], f64::from(k) / 60.0)));
         let mut often = SlotTracker::new(PickModel::builtin());
         often.set_places(&rack(), None);

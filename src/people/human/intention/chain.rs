@@ -1,18 +1,18 @@
 //! Hidden Markov models over goals.
 //!
 //! Main type: [`IntentBelief`] (forward filter and most probable sequence side by side). The published text calls the
-//! scores of Viterbi's algorithm probabilities; they are none (the maximum keeps one past per state), so posteriors
-//! come from sums here and the sequence from maxima (`sequence.rs`). Refuses: to know what is observed.
+//! scores of Viterbi's algorithm probabilities; they are not (the maximum keeps one past per state), so here posteriors
+//! come from sums and the sequence from maxima (`sequence.rs`). Refuses: to know what is observed.
 
 use super::Belief;
 use super::sequence::{IntentSequence, IntentState};
 use giveway_floor::id::GoalId;
 use giveway_floor::time::Time;
 
-/// No observation makes a state impossible: one odd step must not wipe out a goal for ever.
+/// Least emission: no observation makes a state impossible, so that one odd step cannot rule out a goal for ever.
 const FLOOR: f64 = 1e-6;
 
-/// The chain's present state of belief.
+/// The present belief of the chain.
 #[derive(Clone, Debug)]
 pub(super) struct IntentBelief {
     states: Vec<IntentState>,
@@ -21,7 +21,7 @@ pub(super) struct IntentBelief {
 }
 
 impl IntentBelief {
-    /// The chain with these states (sorted) and probabilities.
+    /// A chain with these states (sorted) and probabilities.
     pub fn new(states: Vec<IntentState>, probability: Vec<f64>) -> IntentBelief {
         let sequence = IntentSequence::new(states.clone(), &probability, FLOOR);
         IntentBelief { states, probability, sequence }
@@ -44,7 +44,7 @@ impl IntentBelief {
         self.states.binary_search(&state).ok()
     }
 
-    /// One update: `transition(from, to)` and one emission per state. Both need not sum to one.
+    /// One update: `transition(from, to)`, and one emission per state. Neither needs to sum to one.
     pub fn update(
         &mut self,
         transition: impl Fn(IntentState, IntentState) -> f64,
@@ -63,7 +63,7 @@ impl IntentBelief {
         self.probability = next;
     }
 
-    /// Adds a goal with a share of the probability: the smallest that any goal has, but not less than 0.1.
+    /// Adds a goal with a share of the probability: the smallest that any goal has, but at least 0.1.
     pub fn add_goal(&mut self, goal: GoalId) {
         let state = IntentState::Goal(goal);
         let Err(at) = self.states.binary_search(&state) else { return };
@@ -77,7 +77,7 @@ impl IntentBelief {
         normalise(&mut self.probability);
     }
 
-    /// Takes a goal out; its probability goes to `heir`, or to all others where that is no state.
+    /// Removes a goal; its probability goes to `heir`, or to all others if that is no state.
     pub fn remove_goal(&mut self, goal: GoalId, heir: IntentState) {
         let Some(at) = self.index(IntentState::Goal(goal)) else { return };
         self.states.remove(at);
@@ -98,7 +98,7 @@ impl IntentBelief {
         }
     }
 
-    /// The most probable sequence beside the probabilities.
+    /// The most probable sequence that accompanies the probabilities.
     pub fn sequence(&self) -> &IntentSequence {
         &self.sequence
     }

@@ -1,11 +1,11 @@
-//! Our recogniser: whoever walks to a goal makes no detours on the way.
+//! Our recogniser: a person who walks to a goal makes no detours on the way.
 //!
-//! Main types: [`Detour`], [`PurposeModel`] (its figures, learned from recorded people). Every step of some
-//! length is as likely as a direction under von Mises: the metres of detour that it means for a goal, times
-//! how resolute the person is. Resoluteness is inferred beside the goal, so that somebody who strolls is not
-//! taken to be sure of anything (Fisac et al. 2018; Yin et al. 2025); whoever goes *elsewhere* walks in any
-//! direction alike. Minds change at a rate per time, and steps are counted by metres, so the rate of poses
-//! means nothing. Refuses: an undecided state; an undecided posterior is flat, and its entropy says so.
+//! Main types: [`Detour`], [`PurposeModel`] (its figures, learned from recorded people). A step's likelihood follows
+//! von Mises: it depends on the metres of detour that the step means for a goal, times the person's resoluteness.
+//! Resoluteness is inferred along with the goal, so that a person who strolls gives no certainty (Fisac et al. 2018;
+//! Yin et al. 2025); a person who goes *elsewhere* walks in all directions alike. Minds change at a rate per time, and
+//! steps are counted by metres, so the rate of poses means nothing. Refuses: an undecided state; an undecided posterior
+//! is flat, and its entropy shows it.
 
 use super::Belief;
 use super::sequence::{IntentSequence, IntentState};
@@ -18,25 +18,25 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Degrees of resoluteness that are told apart.
+/// Number of degrees of resoluteness.
 const DEGREES: usize = 4;
-/// A step is taken in after so many metres …
+/// Distance after which a step is processed, metres …
 const STEP_M: f64 = 0.4;
-/// … and a pause after so many seconds.
+/// … and time after which a pause is processed.
 const PAUSE: Span = Span::from_secs(1);
-/// Steps shorter than so many standard deviations of a position may be none.
+/// Steps shorter than this many standard deviations of a position may be noise.
 const NOISE: f64 = 3.0;
-/// Whoever is this near to a goal has arrived, metres.
+/// A person this near to a goal has arrived, metres.
 const THERE_M: f64 = 1.0;
-/// Goals this near to a learned place are that place, metres.
+/// A goal this near to a learned place is that place, metres.
 const PLACE_M: f64 = 1.0;
-/// How often people change how resolute they are, per second.
+/// Rate at which people change their resoluteness, per second.
 const TEMPER_PER_S: f64 = 0.02;
-/// So much of what steps say about resoluteness counts: those of one straight leg are one piece of evidence. Taken
-/// for many, they would make the model too sure of a person who turns at the end of it.
+/// Share of what steps say about resoluteness that counts: the steps of one straight leg are one piece of evidence.
+/// Counted as many, they would make the model too sure of a person who turns at its end.
 const EVIDENCE: f64 = 0.25;
 
-/// No goal is less probable than this.
+/// Least probability of a goal.
 const UNLIKELY: f64 = 1e-12;
 
 /// Figures of the recogniser.
@@ -45,31 +45,31 @@ const UNLIKELY: f64 = 1e-12;
 pub struct PurposeModel {
     /// Degrees of resoluteness: loss of log-probability per metre of detour.
     pub betas_per_m: [f64; DEGREES],
-    /// How probable each degree is.
+    /// Probability of each degree.
     pub beta_shares: [f64; DEGREES],
-    /// How often people change their mind on the way, per second.
+    /// Rate at which people change their goal on the way, per second.
     pub changes_per_s: f64,
-    /// How much the course of the moment says: concentration of directions at a metre a second.
+    /// Weight of the present course: concentration of directions at one metre per second.
     pub kappa: f64,
     /// Share of people who go to no known goal.
     pub elsewhere: f64,
     /// How long people stay at a goal, seconds.
     pub dwell_s: f64,
-    /// Places of which more is known.
+    /// Places with learned figures.
     pub places: Vec<DetourPlace>,
 }
 
-/// What is known of people at one place.
+/// Learned figures of people at one place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DetourPlace {
-    /// Where, metres.
+    /// East-west position, metres.
     pub x_m: f64,
-    /// Where, metres.
+    /// North-south position, metres.
     pub y_m: f64,
     /// How long people stay, seconds.
     pub dwell_s: f64,
-    /// Where they go next: shares of all places, in their order.
+    /// Where people go next: shares of all places, in the order of the places.
     pub next: Vec<f64>,
 }
 
@@ -93,23 +93,23 @@ pub(super) struct Detour {
     model: Arc<PurposeModel>,
     /// Goals with their prior weights.
     weights: BTreeMap<GoalId, f64>,
-    /// Where people go next from the goal that was visited last, where that was learned.
+    /// Learned shares of where people go next from the goal visited last, if any.
     next: BTreeMap<GoalId, f64>,
-    /// Joint probabilities of goals and degrees.
+    /// Joint probabilities of goals and degrees of resoluteness.
     goals: BTreeMap<GoalId, [f64; DEGREES]>,
     elsewhere: f64,
-    /// The most probable sequence of goals, by what each step says for each goal, however resolute the person is.
+    /// The most probable sequence of goals, by what each step says for each goal, whatever the resoluteness.
     sequence: IntentSequence,
-    /// What the course of the moment says for each goal, as a factor.
+    /// Factor for each goal from the present course.
     course: BTreeMap<GoalId, f64>,
-    /// Place and time of the last step that was taken in.
+    /// Time and position of the last processed step.
     last: Option<(Time, Point)>,
-    /// The goal at which the person is.
+    /// The goal that the person is at.
     there: Option<GoalId>,
-    /// The goal at which there is work to do.
+    /// The goal where the person has work to do.
     work: Option<GoalId>,
     motion: Motion,
-    /// One standard deviation of positions, metres.
+    /// Standard deviation of positions, metres.
     sigma_m: f64,
 }
 
@@ -153,7 +153,7 @@ impl Detour {
         self.normalise();
     }
 
-    /// The sequence, before anything was seen.
+    /// Starts the sequence before the first observation.
     fn begin_sequence(&mut self) {
         let states = self.goals.keys().map(|g| IntentState::Goal(*g)).chain([IntentState::Elsewhere]);
         let shares: Vec<f64> = self.goals.values().map(|p| p.iter().sum()).chain([self.elsewhere]).collect();
@@ -174,7 +174,7 @@ impl Detour {
         self.sequence.remove(IntentState::Goal(goal));
         let share = self.goals.remove(&goal).map_or(0.0, |p| p.iter().sum());
         if self.there == Some(goal) {
-            // It is done: on to something else, nobody knows to what.
+            // The goal is done: the person goes on to something else, not known what.
             self.decide_anew(share);
         } else {
             self.elsewhere += share;
@@ -182,7 +182,7 @@ impl Detour {
         self.normalise();
     }
 
-    /// Whoever is at this goal stays until the work there is done.
+    /// A person at this goal stays until the work there is done.
     pub fn has_work_at(&mut self, goal: Option<GoalId>) {
         self.work = goal;
     }
@@ -223,7 +223,7 @@ impl Detour {
             self.visit(now.at, distances);
             self.normalise();
         } else if passed >= PAUSE {
-            // Whoever stands goes nowhere: time passes, and the place from which the next step counts stays.
+            // A standing person goes nowhere: time passes, and the start of the next step stays.
             self.last = Some((seen, from));
             self.change_minds(passed);
             self.continue_sequence(seen, passed, &BTreeMap::new());
@@ -232,7 +232,7 @@ impl Detour {
         self.look(now.velocity.norm(), now.velocity.y.atan2(now.velocity.x), |goal| here.towards(goal));
     }
 
-    /// Notes a visit: from there people go on to somewhere else.
+    /// Records a visit: from there the person goes on to another goal.
     fn visit(&mut self, at: Point, distances: &Distances) {
         let there = |g: &&GoalId| distances.place(**g).is_some_and(|p| (p - at).norm() <= THERE_M);
         self.there = self.weights.keys().find(there).copied();
@@ -249,18 +249,18 @@ impl Detour {
             self.model.places.iter().position(|p| off(p) <= PLACE_M)
         };
         let shares = &self.model.places[place_of(from)?].next;
-        // Only where every goal is a known place do shares compare.
+        // Shares can be compared only if every goal is a known place.
         self.weights.keys().map(|g| Some((*g, shares.get(place_of(*g)?)?.max(1e-6)))).collect()
     }
 
-    /// How probable goals are before anything is seen, up to a factor: by their own weights (the worker's task
-    /// first) and by where people go from the last goal.
+    /// Prior probabilities of the goals, up to a factor: by their own weights (the worker's task first) and by where
+    /// people go from the last goal.
     fn prior(&self) -> BTreeMap<GoalId, f64> {
         let factor = |g: &GoalId| self.next.get(g).copied().unwrap_or(1.0);
         self.weights.iter().map(|(g, w)| (*g, w * factor(g))).collect()
     }
 
-    /// How probable it is that somebody has the same goal still, or none as before: who has arrived leaves, unless
+    /// The probability that a person still has the same goal, or still none: a person who has arrived leaves, unless
     /// there is work to do.
     fn keeps(&self, goal: Option<GoalId>, passed: Span) -> f64 {
         let dt = passed.as_secs_f64();
@@ -269,7 +269,7 @@ impl Detour {
         keeps * if leaves { (-dt / self.model.dwell_s).exp() } else { 1.0 }
     }
 
-    /// Takes the same update into the most probable sequence; `fits` says how well a step fits to each goal.
+    /// Applies the same update to the most probable sequence; `fits` gives how well a step fits each goal.
     fn continue_sequence(&mut self, seen: Time, passed: Span, fits: &BTreeMap<GoalId, f64>) {
         let prior = self.prior();
         let (total, nobody) = (prior.values().sum::<f64>(), self.model.elsewhere);
@@ -293,7 +293,7 @@ impl Detour {
         self.sequence.update(seen, step, fit);
     }
 
-    /// Minds change with time: to the prior, and from a goal that was reached to another one.
+    /// Minds change with time: back to the prior, and from a reached goal to another one.
     fn change_minds(&mut self, passed: Span) {
         let same = (-TEMPER_PER_S * passed.as_secs_f64()).exp();
         let keeps = self.keeps(None, passed);
@@ -310,7 +310,7 @@ impl Detour {
         self.decide_anew(free);
     }
 
-    /// Hands out a share of probability as if nothing had been seen yet.
+    /// Distributes a share of probability as if nothing had been observed yet.
     fn decide_anew(&mut self, free: f64) {
         let prior = self.prior();
         let total: f64 = prior.values().sum();
@@ -322,12 +322,12 @@ impl Detour {
         }
     }
 
-    /// A step of `step` metres; `ways` says how far each goal was before and is now. Gives how probable the step was
-    /// for each goal, against one in any direction.
+    /// Weighs a step of `step` metres; `ways` gives how far each goal was before and is now. Gives the step's
+    /// likelihood for each goal, relative to a step in a random direction.
     fn weigh(&mut self, step: f64, ways: impl Fn(GoalId) -> Option<(f64, f64)>) -> BTreeMap<GoalId, f64> {
         let (before, mut fits) = (self.degrees(), BTreeMap::new());
         for (goal, p) in &mut self.goals {
-            // Nobody can say how far it is: neither for nor against.
+            // The distance is unknown: neither for nor against the goal.
             let Some((then, now)) = ways(*goal) else { continue };
             let detour = (step + now - then).clamp(0.0, 2.0 * step);
             let sum: f64 = p.iter().sum();
@@ -340,7 +340,7 @@ impl Detour {
         fits
     }
 
-    /// Probabilities of the degrees, whatever the goal.
+    /// Probabilities of the degrees of resoluteness over all goals.
     fn degrees(&self) -> [f64; DEGREES] {
         let mut sums = [0.0; DEGREES];
         for p in self.goals.values() {
@@ -349,8 +349,8 @@ impl Detour {
         sums
     }
 
-    /// Takes back what a step said about resoluteness but for [`EVIDENCE`] of it. Neither the sum over all goals nor
-    /// how the goals of one degree compare changes.
+    /// Takes back what a step said about resoluteness, except [`EVIDENCE`] of it. Neither the sum over all goals nor
+    /// the comparison of the goals within one degree changes.
     fn temper(&mut self, before: [f64; DEGREES]) {
         let after = self.degrees();
         let share = |i: usize| if after[i] > 0.0 { (before[i] / after[i]).powf(1.0 - EVIDENCE) } else { 0.0 };
@@ -365,7 +365,7 @@ impl Detour {
         }
     }
 
-    /// What the course of the moment says.
+    /// Updates the factors from the present course.
     fn look(&mut self, speed: f64, course: f64, towards: impl Fn(GoalId) -> Option<f64>) {
         let kappa = self.model.kappa * speed.min(1.0);
         self.course.clear();
@@ -425,7 +425,7 @@ mod tests {
             person.add_goal(GoalId(g), weight);
             distances.add_goal(GoalId(g), Point::new(x, 0.0));
         }
-        // Standing at the first goal: minds change to what comes next, the own task first.
+        // Standing at the first goal: minds change to the next one, the person's own task first.
         for k in 0..200 {
             person.observe(Time(k * 500_000), Point::new(0.0, 0.0), &distances);
         }

@@ -1,8 +1,8 @@
 //! Where a person is going, with what probability.
 //!
-//! Main types: [`Intention`] (one person's recogniser; [`Method`] chooses which), [`Belief`] (what it
-//! believes), [`TileIntention`] (the published static method on small grids, for actions). Refuses: to decide
-//! anything. A belief is honest only as far as its goals are known; *elsewhere* is the rest.
+//! Main types: [`Intention`] (one person's recogniser; [`Method`] chooses which), [`Belief`] (its probabilities),
+//! [`TileIntention`] (the published static method on small grids, for actions). Refuses: to decide anything. A belief
+//! is honest only as far as its goals are known; *elsewhere* is the rest.
 
 mod chain;
 mod detour;
@@ -29,31 +29,31 @@ use published::{Chapter, Published};
 use sequence::IntentSequence;
 use tile::TileWalker;
 
-/// Which recogniser.
+/// The method of recognising goals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Petković 2021, sections 3.3 and 3.4: states for goals, *undecided* and *elsewhere*; nine goals at most.
     Chapter3,
-    /// The same states, with steps judged by a Markov decision process on tiles (section 3.2): small floors only, and
-    /// robots block nothing.
+    /// The states of chapter 3, with steps judged by a Markov decision process on tiles (section 3.2): small floors
+    /// only, and robots block nothing.
     Chapter3Tiles,
     /// Petković 2021, section 4.3.2: states for goals only, among them the end of the person's own path.
     Chapter4,
-    /// Ours: metres of detour as log-likelihood, changes of mind per time, the worker's task as prior,
+    /// Our method: metres of detour as log-likelihood, changes of mind per time, the worker's task as prior,
     /// *elsewhere*.
     Detour,
 }
 
-/// The method cannot tell so many goals apart.
+/// Error: the method cannot tell that many goals apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("this method has room for {at_most} goals")]
 pub struct TooManyGoals {
-    /// How many it has room for.
+    /// Largest number of goals for the method.
     pub at_most: usize,
 }
 
 impl Method {
-    /// Whether it is chapter 3 of the thesis, with one validator or the other.
+    /// Whether the method is chapter 3 of the thesis, with either validator.
     pub fn is_chapter_three(self) -> bool {
         matches!(self, Method::Chapter3 | Method::Chapter3Tiles)
     }
@@ -62,11 +62,11 @@ impl Method {
 /// Probabilities that sum to one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Belief {
-    /// Of each goal, sorted by id.
+    /// Probability of each goal, sorted by id.
     pub goals: Vec<(GoalId, f64)>,
-    /// Of preferring several goals; only chapter 3 has such a state.
+    /// Probability of preferring several goals; only chapter 3 has such a state.
     pub undecided: f64,
-    /// Of going to none of the goals.
+    /// Probability of going to none of the goals.
     pub elsewhere: f64,
 }
 
@@ -84,7 +84,7 @@ enum Inner {
 }
 
 impl Intention {
-    /// Without goals; nothing was seen yet. The published methods have figures of their own.
+    /// A recogniser without goals and observations. The published methods have figures of their own.
     pub fn new(method: Method, model: &Model) -> Intention {
         let inner = match method {
             Method::Chapter3 => Inner::Published(Box::new(Published::new(Chapter::Three))),
@@ -95,8 +95,8 @@ impl Intention {
         Intention { inner }
     }
 
-    /// Adds a goal, at any time. `weight` is how much more probable it is than others before anything is seen
-    /// (the worker's own task has more than 1); the published methods have no use for it.
+    /// Adds a goal, at any time. `weight` is how much more probable than others it is at first (the worker's own task
+    /// has more than 1); the published methods ignore it.
     pub fn add_goal(&mut self, goal: GoalId, weight: f64) -> Result<(), TooManyGoals> {
         match &mut self.inner {
             Inner::Published(p) => p.add_goal(goal),
@@ -108,7 +108,7 @@ impl Intention {
         }
     }
 
-    /// Forgets a goal; its probability goes to *undecided*, or to *elsewhere* where there is no such state.
+    /// Removes a goal; its probability goes to *undecided*, or to *elsewhere* if there is no such state.
     pub fn remove_goal(&mut self, goal: GoalId) {
         match &mut self.inner {
             Inner::Published(p) => p.remove_goal(goal),
@@ -117,8 +117,8 @@ impl Intention {
         }
     }
 
-    /// Where the person has work to do, if anywhere: whoever is there stays until it is done. The published
-    /// methods have no such notion.
+    /// Sets where the person has work to do, if anywhere: a person there stays until it is done. The published methods
+    /// have no such notion.
     pub fn has_work_at(&mut self, goal: Option<GoalId>) {
         if let Inner::Detour(d) = &mut self.inner {
             d.has_work_at(goal);
@@ -134,10 +134,10 @@ impl Intention {
         }
     }
 
-    /// Takes in a pose. Poses may come at any rate; most change nothing until the person has moved on.
+    /// Processes a pose. Poses may come at any rate; most change nothing until the person has moved on.
     ///
-    /// Goals must be known to `distances`, too; `heading` is where the person faces, radians, if anybody
-    /// knows. Chapter 3 reads it; ours reads the course that is walked, because heads look aside.
+    /// Goals must also be known to `distances`; `heading` is where the person faces, radians, if known. Chapter 3 uses
+    /// it; ours uses the walked course, because heads look aside.
     ///
     /// # Panics
     /// If the method needs tiles and the distances have none.
@@ -152,15 +152,15 @@ impl Intention {
         }
     }
 
-    /// Says how good positions are, as one standard deviation in metres: steps of that size teach nothing.
-    /// The published methods have no such notion.
+    /// Sets the accuracy of positions, as one standard deviation in metres: steps of that size are ignored. The
+    /// published methods have no such notion.
     pub fn expect_error(&mut self, sigma_m: f64) {
         if let Inner::Detour(d) = &mut self.inner {
             d.expect_error(sigma_m);
         }
     }
 
-    /// What it believes now.
+    /// The present belief.
     pub fn belief(&self) -> Belief {
         match &self.inner {
             Inner::Published(p) => p.chain().belief(),
@@ -169,12 +169,12 @@ impl Intention {
         }
     }
 
-    /// The most probable sequence of states, one before the first update and one for each, the oldest first.
+    /// The most probable sequence of states, oldest first: one before the first update, and one for each update.
     pub fn sequence(&self) -> Vec<IntentState> {
         self.best().states()
     }
 
-    /// The same as stretches of one state, with their times.
+    /// The most probable sequence as stretches of one state, with their times.
     pub fn episodes(&self) -> Vec<IntentEpisode> {
         self.best().episodes()
     }

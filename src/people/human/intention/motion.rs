@@ -1,10 +1,10 @@
-//! How well a step fits to each goal: the motion validation of the published method.
+//! How well a step fits each goal: the motion validation of the published method.
 //!
-//! Main function: [`validate`]. A pose has a modulated distance to each goal, and a step is judged by comparing that of
-//! the pose reached with those of the poses that could have been reached instead (Petković 2021, eq. 3.11 to 3.15 and
-//! 4.1). Differences from the print: the cases of eq. 3.11 are in the order that its text means; σ is tied to the
-//! spacing of the nodes (0.005 has no unit, and at 7 cm only the nearest node would count); candidates off the floor
-//! are left out; a range of zero judges nothing; a goal without a way is not approached. Refuses: time.
+//! Main function: [`validate`]. A pose has a modulated distance to each goal, and a step is judged by comparing the
+//! distance of the reached pose with those of the poses that could have been reached instead (Petković 2021, eq. 3.11
+//! to 3.15 and 4.1). Differences from the print: the cases of eq. 3.11 are in the order that its text means; σ is tied
+//! to the spacing of the nodes (0.005 has no unit, and at 7 cm only the nearest node would count); candidates off the
+//! floor are left out; a range of zero judges nothing; a goal without a way is not approached. Refuses: time.
 
 use crate::human::Distances;
 use giveway_floor::geometry::{Point, Segment, turn_between};
@@ -13,21 +13,21 @@ use std::f64::consts::{PI, TAU};
 
 /// Standard deviation of the association, metres: about the spacing of the nodes.
 const SIGMA_M: f64 = 0.85;
-/// Alternative points on the circle.
+/// Number of alternative points on the circle.
 const POINTS: usize = 16;
-/// Alternative headings: −π and π are one.
+/// Number of alternative headings: −π and π are one.
 const HEADINGS: usize = 8;
-/// A node right behind a person still counts a little, so that somebody who sees no other has a distance.
+/// Weight of a node right behind a person, so that a person who sees no other node still has a distance.
 const BEHIND: f64 = 1e-6;
 /// Ranges smaller than this judge nothing, metres.
 const SAME_M: f64 = 1e-3;
-/// What is neither towards a goal nor away from it.
+/// Fit of a step that is neither towards a goal nor away from it.
 const NEUTRAL: f64 = 0.5;
 /// A shorter move is a turn on the spot, metres.
 const ON_THE_SPOT_M: f64 = 0.05;
 
-/// For each goal how well the step from one point to a pose fits: 1 towards it, 0 away from it. Without a heading, only
-/// places are compared.
+/// For each goal, how well the step from one point to a pose fits: 1 towards it, 0 away from it. Without a heading,
+/// only positions are compared.
 pub(super) fn validate(
     distances: &Distances,
     goals: &[GoalId],
@@ -61,7 +61,7 @@ pub(super) fn validate(
         .collect()
 }
 
-/// The places to which a person could have gone instead; where it turned on the spot, that place.
+/// The places to which a person could have gone instead; for a turn on the spot, the present place.
 fn around(from: Point, walked: f64) -> Vec<Point> {
     if walked < ON_THE_SPOT_M {
         return vec![from];
@@ -76,7 +76,7 @@ fn around(from: Point, walked: f64) -> Vec<Point> {
 /// The nodes in sight of a place: weight by distance, and bearing (eq. 3.11).
 struct Association {
     nodes: Vec<(giveway_floor::id::WalkNodeId, f64, f64)>,
-    /// Of a place in the open, where goals themselves are in sight.
+    /// The place itself in the open, where goals are in sight directly.
     open: Option<Point>,
 }
 
@@ -94,7 +94,7 @@ impl Association {
         Association { nodes, open: None }
     }
 
-    /// The modulated distances of eq. 3.14, weights normalised over the nodes from which the goal can be reached.
+    /// The modulated distances of eq. 3.14, with weights normalised over the nodes from which the goal can be reached.
     fn distances(&self, distances: &Distances, goals: &[GoalId], heading: Option<f64>) -> Vec<Option<f64>> {
         if let Some(at) = self.open {
             return goals.iter().map(|g| distances.to_goal(*g, at)).collect();

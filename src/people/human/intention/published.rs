@@ -1,8 +1,8 @@
 //! The published recognisers: chapter 3 (goals, undecided, elsewhere) and chapter 4 (goals only).
 //!
-//! Main type: [`Published`]. Petković 2021, sections 3.3, 3.4 and 4.3.2, with the errors of the print mended (see
-//! `motion.rs`, `chain.rs`). Updates come with displacement, not with messages, so that a fast stream of poses does
-//! not shorten the memory. Refuses: prior knowledge of the worker's task, which these methods have no place for.
+//! Main type: [`Published`]. Petković 2021, sections 3.3, 3.4 and 4.3.2, with the errors of the print corrected (see
+//! `motion.rs`, `chain.rs`). Updates come with displacement, not with messages, so that a fast stream of poses does not
+//! shorten the memory. Refuses: prior knowledge of the worker's task, which these methods have no place for.
 
 use super::chain::IntentBelief;
 use super::sequence::IntentState;
@@ -19,24 +19,24 @@ pub(super) const ALPHA: f64 = 0.5;
 pub(super) const BETA: f64 = 0.1;
 pub(super) const GAMMA: f64 = 0.05;
 pub(super) const DELTA: f64 = 0.1;
-/// Chapter 4: to stay with a goal from one update to the next.
+/// Chapter 4: probability of keeping a goal from one update to the next.
 const STAY: f64 = 0.823;
-/// Eq. 3.20: more goals would leave the undecided state a negative probability to stay.
+/// Eq. 3.20: with more goals, the undecided state would have a negative probability of staying.
 const GOALS_MAX: usize = ((1.0 - GAMMA) / BETA) as usize;
-/// With more, the thesis found, the model hardly ever decides.
+/// With more goals, the thesis found, the model hardly ever decides.
 pub(super) const GOALS_WELL: usize = 5;
-/// An update every so many metres …
+/// Distance walked per update, metres …
 const GATE_M: f64 = 0.25;
 /// Share of a new value in the low-pass filter.
 const FRESH: f64 = 0.5;
-/// So long nobody is called irrational for walking away from all goals.
+/// Least time before a person is called irrational for walking away from all goals.
 const PATIENCE: Span = Span::from_secs(1);
 
-/// Undecided is never less probable than this makes it (eq. 3.18 has it; the text says the same of eq. 3.17, whose
-/// print would be zero where one goal fits fully and no other at all).
+/// Least probability of *undecided* (eq. 3.18 has it; the text says the same of eq. 3.17, whose print would be zero if
+/// one goal fits fully and no other at all).
 const DOUBT: f64 = 0.1;
 
-/// Which chapter.
+/// The chapter whose method is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Chapter {
     Three,
@@ -66,7 +66,8 @@ impl Published {
     pub fn add_goal(&mut self, goal: GoalId) -> Result<(), TooManyGoals> {
         match self.chapter {
             Chapter::Three => return add_goal_of_chapter_three(&mut self.chain, goal, self.last.is_none()),
-            // Before anything was seen all goals are alike; the print's 1/g is meant to be 1/(g + 1) for g + 1 states.
+            // Before the first observation all goals are equal; the print's 1/g is meant to be 1/(g + 1) for g + 1
+            // states.
             Chapter::Four if self.last.is_none() => {
                 let mut states: Vec<IntentState> =
                     self.chain.goals().chain([goal]).map(IntentState::Goal).collect();
@@ -132,7 +133,7 @@ impl Published {
     }
 }
 
-/// Adds a goal to a chain of chapter 3; `is_new` says that nothing was seen yet, so that *undecided* is certain
+/// Adds a goal to a chain of chapter 3; `is_new` says that nothing was observed yet, so that *undecided* is certain
 /// (eq. 3.19).
 pub(super) fn add_goal_of_chapter_three(
     chain: &mut IntentBelief,
@@ -155,8 +156,8 @@ pub(super) fn add_goal_of_chapter_three(
     Ok(())
 }
 
-/// One update of the chain of chapter 3 (eq. 3.16 to 3.18). `goes_nowhere` is the best average of late, where that
-/// is too little for any goal.
+/// One update of the chain of chapter 3 (eq. 3.16 to 3.18). `goes_nowhere` is the best recent average, if it is too low
+/// for any goal.
 pub(super) fn weigh_chapter_three(
     chain: &mut IntentBelief,
     v: &[f64],
@@ -187,10 +188,10 @@ pub(super) fn weigh_chapter_three(
     chain.update(step, &emission, seen);
 }
 
-/// How well a person has been moving towards each goal of late.
+/// How well a person has recently been moving towards each goal.
 #[derive(Clone, Debug)]
 pub(super) struct Evidence {
-    /// How much is needed before it says anything.
+    /// Time span that must be covered before the evidence counts.
     patience: Span,
     late: VecDeque<(Time, BTreeMap<GoalId, f64>)>,
 }
@@ -200,7 +201,7 @@ impl Evidence {
         Evidence { patience, late: VecDeque::new() }
     }
 
-    /// Takes in one update. The best average over the goals, if there is enough to tell and it is 0.5 at most.
+    /// Adds one update. Gives the best average over the goals, if the evidence suffices and it is at most 0.5.
     pub fn add(&mut self, seen: Time, v: BTreeMap<GoalId, f64>) -> Option<f64> {
         let goals: Vec<GoalId> = v.keys().copied().collect();
         self.late.push_back((seen, v));

@@ -1,6 +1,6 @@
-//! What is handed on of a belief: a credible set, or the goals that the published thresholds report.
+//! What is reported of a belief: a credible set, or the goals by the published thresholds.
 //!
-//! Main type: [`Credible`]; main function: [`reported_goals`]. Refuses: thresholds that say less the more is known.
+//! Main type: [`Credible`]; main function: [`reported_goals`]. Refuses: thresholds that report less as more is known.
 
 use super::{Belief, IntentState};
 use giveway_floor::id::GoalId;
@@ -8,9 +8,9 @@ use giveway_floor::id::GoalId;
 /// The smallest set of hypotheses that holds a given probability.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Credible {
-    /// Its goals, the most probable first.
+    /// Goals of the set, the most probable first.
     pub goals: Vec<GoalId>,
-    /// Whether *undecided* or *elsewhere* is in it: then none of the goals may be the right one.
+    /// Whether *undecided* or *elsewhere* is in the set: then none of the goals may be the right one.
     pub open: bool,
 }
 
@@ -20,18 +20,18 @@ impl Belief {
         self.goals.iter().map(|g| g.1).sum::<f64>() + self.undecided + self.elsewhere
     }
 
-    /// The probability of a goal; zero where it is unknown.
+    /// The probability of a goal; zero if it is unknown.
     pub fn of(&self, goal: GoalId) -> f64 {
         self.goals.iter().find(|g| g.0 == goal).map_or(0.0, |g| g.1)
     }
 
-    /// The most probable hypothesis, the first of equals.
+    /// The most probable hypothesis; the first of equals.
     pub fn top(&self) -> IntentState {
         let all = self.all();
         all.into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a }).map_or(IntentState::Elsewhere, |s| s.0)
     }
 
-    /// How undecided it is, 0 (sure) to 1 (all hypotheses alike).
+    /// Normalised entropy of the belief, from 0 (sure) to 1 (all hypotheses alike).
     pub fn entropy(&self) -> f64 {
         let all = self.all();
         let nats: f64 = all.iter().filter(|s| s.1 > 0.0).map(|s| -s.1 * s.1.ln()).sum();
@@ -45,7 +45,7 @@ impl Belief {
             .collect()
     }
 
-    /// The smallest set of hypotheses with so much probability together.
+    /// The smallest set of hypotheses that together have this probability.
     pub fn credible(&self, probability: f64) -> Credible {
         let mut all = self.all();
         all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
@@ -65,9 +65,9 @@ impl Belief {
 }
 
 /// The goals that chapter 4 reports to the planner: the end of the person's own path as long as it is nearly as
-/// probable as the best, else all that are not much less probable than chance (Petković 2021, section 4.3.2, for g + 1
-/// states). The printed threshold 0.25 g would be one for four goals, and no other goal would ever be reported; 0.25/g
-/// is meant.
+/// probable as the best, else all goals that are not much less probable than chance (Petković 2021, section 4.3.2, for
+/// g + 1 states). The printed threshold 0.25 g would be one for four goals, and no other goal would ever be reported;
+/// 0.25/g is meant.
 pub fn reported_goals(belief: &Belief, path_end: GoalId) -> Vec<GoalId> {
     let g = belief.goals.len().saturating_sub(1).max(1) as f64;
     let best = belief.goals.iter().map(|x| x.1).fold(0.0, f64::max);

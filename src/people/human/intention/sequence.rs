@@ -1,6 +1,6 @@
 //! The most probable sequence of states of a hidden Markov model (Viterbi 1967).
 //!
-//! Main types: [`IntentSequence`], [`IntentEpisode`] (a stretch of it), [`IntentState`]. Its scores are no
+//! Main types: [`IntentSequence`], [`IntentEpisode`] (a stretch of it), [`IntentState`]. Its scores are not
 //! probabilities of states, since the maximum keeps one past for each of them: posteriors come from a forward filter
 //! beside it. Refuses: to know what is observed.
 
@@ -8,28 +8,28 @@ use giveway_floor::id::GoalId;
 use giveway_floor::time::Time;
 use std::collections::VecDeque;
 
-/// So many updates are remembered: about a hundred metres of walking.
+/// Number of updates that are kept: about a hundred metres of walking.
 const MEMORY: usize = 256;
-/// What no transition is less probable than, so that its logarithm is a number.
+/// Least probability of a transition, so that its logarithm is finite.
 const LEAST: f64 = 1e-12;
 
-/// What a person may be up to (Petković 2021, table 3.1). In the order of the chain's rows.
+/// What a person may intend (Petković 2021, table 3.1), in the order of the chain's rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum IntentState {
     /// On the way to this goal.
     Goal(GoalId),
-    /// On the way to one of several; written G? there.
+    /// On the way to one of several goals; written G? in the thesis.
     Undecided,
-    /// On the way to none of them, or nowhere; written Gx there.
+    /// On the way to none of the goals, or nowhere; written Gx in the thesis.
     Elsewhere,
 }
 
-/// A stretch of the most probable sequence in which the state is the same.
+/// A stretch of the most probable sequence with one state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntentEpisode {
-    /// What the person was up to.
+    /// The person's state.
     pub state: IntentState,
-    /// From which update on.
+    /// Time of the first update with this state.
     pub since: Time,
 }
 
@@ -39,12 +39,12 @@ pub(super) struct IntentSequence {
     states: Vec<IntentState>,
     /// Log-probability of the best sequence that ends in each state, up to a constant.
     best: Vec<f64>,
-    /// For each update its time, and each state with the best state before it.
+    /// Time of each update, and for each state the best state before it.
     past: VecDeque<(Time, Vec<(IntentState, IntentState)>)>,
 }
 
 impl IntentSequence {
-    /// States (sorted), and how probable each is before anything is seen.
+    /// A sequence with these states (sorted) and their prior probabilities.
     pub fn new(states: Vec<IntentState>, probability: &[f64], least: f64) -> IntentSequence {
         let best = probability.iter().map(|p| p.max(least).ln()).collect();
         IntentSequence { states, best, past: VecDeque::new() }
@@ -76,7 +76,7 @@ impl IntentSequence {
         }
     }
 
-    /// Adds a state. What was before it is what was before the state that is the most probable now.
+    /// Adds a state. Its past is that of the most probable state now.
     pub fn add(&mut self, state: IntentState, share: f64) {
         let Err(at) = self.states.binary_search(&state) else { return };
         let now = self.last();
@@ -89,7 +89,7 @@ impl IntentSequence {
         self.best.insert(at, share.max(LEAST).ln());
     }
 
-    /// Takes a state out. Sequences that led through it stay.
+    /// Removes a state. Sequences that led through it stay.
     pub fn remove(&mut self, state: IntentState) {
         if let Ok(at) = self.states.binary_search(&state) {
             self.states.remove(at);
@@ -97,19 +97,19 @@ impl IntentSequence {
         }
     }
 
-    /// The state in which the best sequence ends, the first of equals.
+    /// The state in which the best sequence ends; the first of equals.
     fn last(&self) -> Option<IntentState> {
         let all = 0..self.states.len();
         let best = all.reduce(|a, b| if self.best[b] > self.best[a] { b } else { a });
         best.map(|i| self.states[i])
     }
 
-    /// The states of the best sequence, the oldest first: one before the first update and one for each.
+    /// The states of the best sequence, oldest first: one before the first update, and one for each update.
     pub fn states(&self) -> Vec<IntentState> {
         let Some(mut state) = self.last() else { return Vec::new() };
         let mut out = vec![state];
         for (_, before) in self.past.iter().rev() {
-            // Some state goes with every update, but one that came back may not have been known then.
+            // Every update has some state, but one that came back may not have been known then.
             let Some((_, from)) = before.iter().find(|(to, _)| *to == state) else { break };
             state = *from;
             out.push(state);
@@ -118,7 +118,7 @@ impl IntentSequence {
         out
     }
 
-    /// The best sequence as stretches of the same state, the oldest first; empty before the first update.
+    /// The best sequence as stretches of one state, oldest first; empty before the first update.
     pub fn episodes(&self) -> Vec<IntentEpisode> {
         let states = self.states();
         let known = states.len().saturating_sub(1).min(self.past.len());
@@ -137,7 +137,7 @@ impl IntentSequence {
 mod tests {
     use super::*;
 
-    /// States of three kinds, and figures that look random and are the same every time.
+    /// Random-looking figures that are the same every time.
     fn figures(mut seed: u64) -> impl FnMut() -> f64 {
         move || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -200,7 +200,7 @@ mod tests {
         }
         let episode = |state, since| IntentEpisode { state, since: Time(since) };
         assert_eq!(sequence.episodes(), [episode(all[0], 0), episode(all[1], 30)]);
-        // A goal that is done leaves the sequence that led through it, and a new one takes over from the best state.
+        // A removed goal stays in the sequence that led through it, and a new one takes over from the best state.
         sequence.remove(all[1]);
         sequence.add(IntentState::Goal(GoalId(7)), 0.3);
         sequence.update(Time(60), stays, |i| if i == 1 { 0.0 } else { -9.0 });

@@ -28,7 +28,7 @@ fn recogniser(method: Method, goals: usize) -> Intention {
     person
 }
 
-/// Walks along corners at 1.2 m/s and shows a pose every `period`; gives the belief every second.
+/// Walks along corners at 1.2 m/s and observes a pose every `period`; gives the belief every second.
 fn walk(person: &mut Intention, corners: &[Point], period: Span, all: &Distances) -> Vec<Belief> {
     let (mut seen, mut beliefs, mut second) = (Time::ZERO, Vec::new(), Time::ZERO);
     for pair in corners.windows(2) {
@@ -64,7 +64,7 @@ fn walking_to_a_goal_counts_fully_and_walking_away_not_at_all() {
             let v = step(-0.3, heading);
             assert!(v[0] < 0.07 && v[1] > 0.93, "south from {y}: {v:?}");
         }
-        // Walking backwards is not walking away, nor is it as good.
+        // Walking backwards is not walking away, but not as good either.
         let v = step(0.3, Some(-std::f64::consts::FRAC_PI_2));
         assert!(v[0] > 0.1 && v[0] < 0.9, "backwards from {y}: {v:?}");
     }
@@ -76,7 +76,7 @@ fn a_turn_on_the_spot_counts_by_where_it_ends() {
     let turn =
         |heading: f64| motion::validate(&all, &[GoalId(0)], p(3.0, 4.0), p(3.0, 4.0), Some(heading))[0];
     assert!(turn(std::f64::consts::FRAC_PI_2) > 0.95 && turn(-std::f64::consts::FRAC_PI_2) < 0.05);
-    // Without a heading a standing person says nothing.
+    // Without a heading, a standing person gives no evidence.
     assert_eq!(motion::validate(&all, &[GoalId(0)], p(3.0, 4.0), p(3.0, 4.0), None), [0.5]);
 }
 
@@ -101,7 +101,7 @@ fn a_goal_that_is_closed_off_is_not_approached_and_makes_no_nonsense() {
 
 #[test]
 fn beliefs_sum_to_one_and_the_goal_that_is_walked_to_wins() {
-    // In the middle of aisles: the ways to corners part late.
+    // In the middle of aisles: the ways to the corners part late.
     let goals = [p(0.0, 10.0), p(12.0, 10.0), p(0.0, 3.0), p(12.0, 4.0)];
     let all = floor(&thesis(), &goals);
     for method in METHODS {
@@ -116,7 +116,7 @@ fn beliefs_sum_to_one_and_the_goal_that_is_walked_to_wins() {
             let (first, last) = (&beliefs[0], person.belief());
             let id = GoalId(i as u64);
             if method == Method::Chapter3Tiles {
-                // On the last tiles everything is nearly as good as going on, and the published method doubts again.
+                // On the last tiles every action is nearly as good as going on, and the published method doubts again.
                 let sure = |b: &&Belief| b.top() == IntentState::Goal(id) && b.of(id) > 0.6;
                 assert!(beliefs.iter().any(|b| sure(&b)), "to {goal}: {beliefs:?}");
                 assert!(last.goals.iter().all(|g| g.0 == id || g.1 < last.of(id)), "to {goal}: {last:?}");
@@ -137,7 +137,7 @@ fn a_fast_stream_of_poses_means_no_more_than_a_slow_one() {
         let mut person = recogniser(Method::Detour, goals.len());
         walk(&mut person, &corners, Span(us), &all)
     });
-    // Steps of half a metre see a turn a little later than steps of a quarter, so the average counts.
+    // Steps of half a metre detect a turn a little later than steps of a quarter, so the average counts.
     let apart =
         |(a, b): (&Belief, &Belief)| (0..4).map(|g| (a.of(GoalId(g)) - b.of(GoalId(g))).abs()).sum::<f64>();
     let mean = slow.iter().zip(&fast).map(apart).sum::<f64>() / slow.len() as f64 / 4.0;

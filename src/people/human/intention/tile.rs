@@ -1,7 +1,7 @@
-//! The published static method: state values on tiles judge what a person does (Petković 2021, sections 3.2 and 3.4).
+//! The published static method: state values on tiles judge a person's actions (Petković 2021, sections 3.2 and 3.4).
 //!
-//! Main types: [`TileIntention`] (the recogniser for actions), [`TileWalker`] (the same for poses, which it turns into
-//! actions). Refuses: to see what robots block, since state values are of an empty floor.
+//! Main types: [`TileIntention`] (the recogniser for actions), [`TileWalker`] (for poses, which it turns into actions).
+//! Refuses: to see what robots block, since state values are of an empty floor.
 
 use super::chain::IntentBelief;
 use super::published::{Evidence, add_goal_of_chapter_three, weigh_chapter_three};
@@ -13,17 +13,17 @@ use giveway_floor::id::GoalId;
 use giveway_floor::time::{Span, Time};
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
 
-/// Actions to judge before a person is called irrational, one a second.
+/// Number of actions to judge, one a second, before a person is called irrational.
 const PATIENCE: i64 = 3;
-/// Who does nothing for so long has chosen to stay.
+/// After this long without movement, the person is taken to stay.
 const STAYS: Span = Span::from_secs(1);
-/// Who has come this far walks, if only slowly, metres.
+/// A person who has come this far is walking, if only slowly, metres.
 const STANDS_M: f64 = 0.3;
-/// A person is on another tile when it is nearer than the last one by this much, metres: sway is no step.
+/// A person changes tile when the new one is nearer than the last by this much, metres: sway is no step.
 const SWAY_M: f64 = 0.2;
-/// A person faces elsewhere when the head is turned by this much more than half an eighth, radians.
+/// A person changes heading when the head is turned by this much more than half an eighth, radians.
 const LOOK: f64 = 0.15;
-/// Tiles and eighths that one pose may be away from the last; farther ones begin anew.
+/// Largest number of tiles and eighths from one pose to the next; farther ones begin anew.
 const STRIDE: usize = 4;
 
 /// The recogniser for actions on tiles.
@@ -35,13 +35,13 @@ pub struct TileIntention {
 }
 
 impl TileIntention {
-    /// No goals, and nothing was seen yet.
+    /// A recogniser without goals and observations.
     pub(super) fn without_goals() -> TileIntention {
         let evidence = Evidence::new(Span::from_secs(PATIENCE));
         TileIntention { chain: IntentBelief::undecided(), evidence, steps: 0 }
     }
 
-    /// Nothing was seen yet; the goals are those of the tiles.
+    /// A recogniser without observations; the goals are those of the tiles.
     ///
     /// # Errors
     /// If the tiles have more goals than the method has room for.
@@ -63,13 +63,13 @@ impl TileIntention {
         self.chain.remove_goal(goal, IntentState::Undecided);
     }
 
-    /// Takes in an action.
+    /// Processes an action.
     pub fn observe(&mut self, tiles: &Tiles, s: Stand, action: Action) {
         self.steps += 1;
         self.judge(tiles, s, action, Time::ZERO + Span::from_secs(self.steps));
     }
 
-    /// Takes in an action that ended at a moment.
+    /// Processes an action that ended at `seen`.
     fn judge(&mut self, tiles: &Tiles, s: Stand, action: Action, seen: Time) {
         let goals: Vec<GoalId> = self.chain.goals().collect();
         let v = tiles.validate(s, action, &goals);
@@ -78,7 +78,7 @@ impl TileIntention {
         weigh_chapter_three(&mut self.chain, &v, goes_nowhere, seen);
     }
 
-    /// What it believes now.
+    /// The present belief.
     pub fn belief(&self) -> Belief {
         self.chain.belief()
     }
@@ -93,11 +93,11 @@ impl TileIntention {
 #[derive(Clone, Debug)]
 pub(super) struct TileWalker {
     person: TileIntention,
-    /// Where the person stood after the last action, and when that was.
+    /// The person's stand after the last action, with its time.
     last: Option<(Stand, Time)>,
-    /// Where exactly the person has hardly moved, and since when.
+    /// The position from which the person has hardly moved, and since when.
     rest: Option<(Point, Time)>,
-    /// The last place, for the course of people whose heading is not known.
+    /// The last position, from which the course is computed if the heading is not known.
     before: Option<Point>,
 }
 
@@ -145,7 +145,7 @@ impl TileWalker {
                     stand = tiles.after(stand, action).expect("the way keeps to free tiles");
                 }
             }
-            // Nobody walks like that: what is seen from here on counts.
+            // Nobody walks like that: evidence starts anew from here.
             None => self.person.evidence = Evidence::new(Span::from_secs(PATIENCE)),
         }
         self.last = Some((now, seen));
@@ -157,7 +157,7 @@ impl TileWalker {
     }
 }
 
-/// Where a person stands now, who stood on `last`: elsewhere only if that is beyond doubt.
+/// The present stand of a person whose last one was `last`: a different one only if that is beyond doubt.
 fn steady(tiles: &Tiles, last: Stand, at: Point, facing: f64) -> Option<Stand> {
     let now = tiles.stand_at(at, facing)?;
     let (old, new) = ((tiles.place(last) - at).norm(), (tiles.place(now) - at).norm());
@@ -168,7 +168,7 @@ fn steady(tiles: &Tiles, last: Stand, at: Point, facing: f64) -> Option<Stand> {
 }
 
 /// The actions from one stand to another: turns first, since people look where they go, then tiles, a diagonal as two
-/// steps; nothing where that is too far or a taken tile is between.
+/// steps; nothing if the other stand is too far or a blocked tile lies between.
 fn way(tiles: &Tiles, from: Stand, to: Stand) -> Option<Vec<Action>> {
     let anticlockwise = (to.eighth + 8 - from.eighth) % 8;
     let turns = match anticlockwise {

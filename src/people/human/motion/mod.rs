@@ -1,8 +1,8 @@
-//! How somebody moves just now: three ways of moving at once, each with its probability.
+//! How a person moves now: three ways of moving at once, each with its probability.
 //!
-//! Main types: [`Motion`] (interacting multiple models: Blom and Bar-Shalom 1988), [`MotionModel`] (its
-//! figures, learned from recorded people), [`Fix`] (a measured place), [`Ahead`]. Time is continuous: any
-//! rate of fixes, and gaps, mean the same motion; silence makes the Gaussian grow. Refuses: goals and walls.
+//! Main types: [`Motion`] (interacting multiple models: Blom and Bar-Shalom 1988), [`MotionModel`] (its figures,
+//! learned from recorded people), [`Fix`] (a measured position), [`Ahead`]. Time is continuous: any rate of fixes, and
+//! gaps, mean the same motion; silence makes the Gaussian grow. Refuses: goals and walls.
 
 mod mode;
 
@@ -17,19 +17,19 @@ use std::f64::consts::{LN_2, TAU};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotionModel {
-    /// How often people change their way of moving, per second.
+    /// Rate at which people change their way of moving, per second.
     pub changes_per_s: f64,
-    /// How probable standing, straight and turning are after a change.
+    /// Probabilities of standing, straight and turning after a change.
     pub shares: [f64; 3],
-    /// How much each way of moving is pushed about: power spectral density of acceleration, m²/s³.
+    /// Process noise of each way of moving: power spectral density of acceleration, m²/s³.
     pub accel_psd: [f64; 3],
-    /// In this time a stop takes off all but 1/e of the speed, seconds.
+    /// Time in which a stop takes off all but 1/e of the speed, seconds.
     pub halt_s: f64,
-    /// In this time a turn loses half of its rate, seconds.
+    /// Time in which a turn loses half of its rate, seconds.
     pub straighten_s: f64,
     /// Standard deviation of turn rates, radians per second.
     pub turn_rps: f64,
-    /// How far the head or tag sways about the way that is walked: standard deviation, metres.
+    /// Sway of the head or tag about the walked path: standard deviation, metres.
     pub sway_m: f64,
 }
 
@@ -73,36 +73,36 @@ impl MotionModel {
     }
 }
 
-/// A measured place.
+/// A measured position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
-    /// When it was so.
+    /// Time of the measurement.
     pub seen: Time,
-    /// Where, metres.
+    /// Measured position, metres.
     pub at: Point,
-    /// One standard deviation along each axis, metres.
+    /// Standard deviation along each axis, metres.
     pub sigma_m: f64,
 }
 
-/// What became of a fix.
+/// What the filter did with a fix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
-    /// It was taken in.
+    /// The fix was used.
     Taken,
-    /// It is not newer than the newest.
+    /// The fix is not newer than the newest one.
     Late,
-    /// It is too far from where anybody expected it.
+    /// The fix is too far from the expected position.
     Doubted,
-    /// Several in a row were too far: the filter starts anew here.
+    /// Several fixes in a row were too far: the filter starts anew here.
     Restarted,
 }
 
-/// Where somebody is expected at some moment, as one Gaussian.
+/// A person's expected state at one moment, as one Gaussian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ahead {
-    /// Mean place, metres.
+    /// Mean position, metres.
     pub at: Point,
-    /// Covariance of the place, m².
+    /// Covariance of the position, m².
     pub cov: Matrix2<f64>,
     /// Mean velocity, metres per second.
     pub velocity: Vector,
@@ -110,27 +110,27 @@ pub struct Ahead {
     pub modes: [f64; 3],
 }
 
-/// What the filter knows at its newest fix: a Gaussian over place and velocity.
+/// The filter's estimate at its newest fix: a Gaussian over position and velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionEstimate {
-    /// When the newest fix was so.
+    /// Time of the newest fix.
     pub seen: Time,
-    /// Place and velocity, metres and metres per second.
+    /// Position and velocity, metres and metres per second.
     pub mean: Vector4<f64>,
-    /// Their covariance.
+    /// Covariance of position and velocity.
     pub cov: Matrix4<f64>,
 }
 
 impl MotionEstimate {
-    /// The normalised estimation error squared of place and velocity: chi-square with four degrees of freedom where the
-    /// filter knows how wrong it is (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+    /// The normalised estimation error squared of position and velocity: chi-square with four degrees of freedom if the
+    /// filter is consistent (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
     pub fn nees(&self, at: Point, velocity: Vector) -> f64 {
         let error = Vector4::new(at.x, at.y, velocity.x, velocity.y) - self.mean;
         let inverse = self.cov.try_inverse().expect("the covariance of an estimate has an inverse");
         error.dot(&(inverse * error))
     }
 
-    /// The same of the place alone: two degrees of freedom.
+    /// The normalised estimation error squared of the position alone: two degrees of freedom.
     pub fn nees_of_place(&self, at: Point) -> f64 {
         let error = Vector::new(at.x - self.mean[0], at.y - self.mean[1]);
         let place = self.cov.fixed_view::<2, 2>(0, 0).into_owned();
@@ -141,11 +141,11 @@ impl MotionEstimate {
 
 /// Squared Mahalanobis distance beyond which a fix is doubted (one in two million true ones).
 const GATE: f64 = 29.0;
-/// So many doubted fixes in a row are right, and the filter is wrong.
+/// After this many doubted fixes in a row, the fixes are taken to be right and the filter wrong.
 const DOUBTS: u32 = 2;
-/// Speeds before anything is known: standard deviation along each axis, metres per second.
+/// Prior standard deviation of the velocity along each axis, metres per second.
 const SPEED_MPS: f64 = 0.9;
-/// Nothing is predicted over a longer gap: seconds.
+/// After a longer gap than this the filter starts anew, seconds.
 const GAP_S: f64 = 30.0;
 
 /// The filter of one person.
@@ -156,36 +156,36 @@ pub struct Motion {
     states: [KinematicState; 3],
     chances: [f64; 3],
     doubts: u32,
-    /// Sum of the logarithms of how likely each fix was (density per m²), and how many fixes.
+    /// Sum of the logarithms of each fix's likelihood (density per m²), and number of fixes.
     likelihood: (f64, u32),
 }
 
 impl Motion {
-    /// Nothing was seen yet.
+    /// A filter without fixes.
     pub fn new(model: MotionModel) -> Motion {
         let nothing = KinematicState { mean: Vec5::zeros(), cov: Mat5::identity() };
         let (states, chances) = ([nothing; 3], model.shares);
         Motion { model, seen: None, states, chances, doubts: 0, likelihood: (0.0, 0) }
     }
 
-    /// When the newest fix was so.
+    /// Time of the newest fix.
     pub fn seen(&self) -> Option<Time> {
         self.seen
     }
 
-    /// What is known at the newest fix; nothing before the first.
+    /// The estimate at the newest fix; nothing before the first.
     pub fn estimate(&self) -> Option<MotionEstimate> {
         let (seen, s) = (self.seen?, blend(&self.states, &self.chances));
         let mean = s.mean.fixed_rows::<4>(0).into_owned();
         Some(MotionEstimate { seen, mean, cov: s.cov.fixed_view::<4, 4>(0, 0).into_owned() })
     }
 
-    /// How likely all fixes were, as a sum of logarithms (density per m²), and how many they were.
+    /// Sum of the logarithms of all fixes' likelihoods (density per m²), and number of fixes.
     pub fn likelihood(&self) -> (f64, u32) {
         self.likelihood
     }
 
-    /// Takes a fix in.
+    /// Processes a fix.
     pub fn see(&mut self, fix: Fix) -> Use {
         let Some(before) = self.seen else {
             self.start(fix);
@@ -236,8 +236,8 @@ impl Motion {
         (self.chances, self.doubts, self.seen) = (self.model.shares, 0, Some(fix.seen));
     }
 
-    /// The states with which each mode starts a step of `dt` seconds, and how probable the modes are then. A
-    /// change leads to any mode, so two steps are one of twice the length.
+    /// The state with which each mode starts a step of `dt` seconds, and the probabilities of the modes then. A change
+    /// leads to any mode, so two steps equal one of twice the length.
     fn mixed(&self, dt: f64) -> ([KinematicState; 3], [f64; 3]) {
         let kept = (-self.model.changes_per_s * dt).exp();
         let mut prior = [0.0; 3];
@@ -251,8 +251,7 @@ impl Motion {
         (states, prior)
     }
 
-    /// Where the person is expected at some moment, `noisy` or as if nobody changed anything after the newest
-    /// fix.
+    /// The person's expected state at some moment, `noisy` or as if the person changed nothing after the newest fix.
     fn at(&self, t: Time, noisy: bool) -> Option<(KinematicState, [f64; 3])> {
         let seen = self.seen?;
         let dt = (t - seen).max(Span::ZERO).as_secs_f64();
@@ -264,13 +263,13 @@ impl Motion {
         Some((blend(&moved, &self.chances), self.chances))
     }
 
-    /// Where the person is expected at some moment, the newest fix or later; nothing before the first fix.
+    /// The person's expected state at the newest fix or later; nothing before the first fix.
     pub fn ahead(&self, t: Time) -> Option<Ahead> {
         self.at(t, true).map(|(s, modes)| ahead(&s, modes))
     }
 
-    /// The same, but with the doubt about where the person is and moves now only, and none about what it will
-    /// do.
+    /// The expected state with only the uncertainty about the present position and motion, and none about what the
+    /// person will do.
     pub fn carried(&self, t: Time) -> Option<Ahead> {
         self.at(t, false).map(|(s, modes)| ahead(&s, modes))
     }
@@ -297,7 +296,7 @@ fn blend(states: &[KinematicState; 3], weights: &[f64; 3]) -> KinematicState {
     KinematicState { mean, cov }
 }
 
-/// A fix against what was predicted.
+/// The deviation of a fix from the prediction.
 struct Surprise {
     gain: Matrix5x2<f64>,
     spread: Matrix2<f64>,
@@ -327,7 +326,7 @@ impl Surprise {
 mod tests {
     use super::*;
 
-    /// Numbers with a normal distribution, the same every time (Box and Muller 1958).
+    /// Normally distributed numbers, the same every time (Box and Muller 1958).
     struct Normal(u64);
 
     impl Normal {
@@ -341,7 +340,7 @@ mod tests {
         }
     }
 
-    /// The mean error of many people who move as the filter takes people to move, three seconds after the first fix.
+    /// Mean error of many people who move as the filter assumes, three seconds after the first fix.
     fn mean_nees(believed: MotionModel, true_psd: f64, people: usize) -> [f64; 2] {
         let (dt, sigma_m, mut dice, mut sums) = (0.1_f64, 0.05, Normal(7), [0.0, 0.0]);
         for _ in 0..people {
@@ -377,7 +376,7 @@ mod tests {
         // 95 % bounds of the mean of 400 chi-square variables of two and of four degrees of freedom.
         let [place, motion] = mean_nees(straight, psd, 400);
         assert!((1.81..2.20).contains(&place) && (3.73..4.28).contains(&motion), "{place} {motion}");
-        // Who is pushed about four times as hard is farther off than the filter says.
+        // People with four times the process noise are farther off than the filter states.
         let [_, surprised] = mean_nees(straight, 4.0 * psd, 400);
         assert!(surprised > 5.5, "{surprised}");
     }

@@ -1,6 +1,6 @@
-//! The ways in which people move, and how a state moves on in each.
+//! The ways in which people move, and how a state evolves in each.
 //!
-//! Main types: [`KinematicState`] (a Gaussian over place, velocity and turn rate), [`MotionMode`]. The prediction is
+//! Main types: [`KinematicState`] (a Gaussian over position, velocity and turn rate), [`MotionMode`]. The prediction is
 //! that of a cubature Kalman filter (Arasaratnam and Haykin 2009). Refuses: measurements.
 
 use super::MotionModel;
@@ -11,7 +11,7 @@ pub(super) const N: usize = 5;
 pub(super) type Vec5 = SVector<f64, N>;
 pub(super) type Mat5 = SMatrix<f64, N, N>;
 
-/// A Gaussian: metres, metres per second, radians per second.
+/// A Gaussian state: metres, metres per second, radians per second.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KinematicState {
     pub mean: Vec5,
@@ -32,7 +32,7 @@ pub(super) enum MotionMode {
 impl MotionMode {
     pub const ALL: [MotionMode; 3] = [MotionMode::Standing, MotionMode::Straight, MotionMode::Turning];
 
-    /// Where `x` is after `dt` seconds.
+    /// The state `x` after `dt` seconds.
     fn move_on(self, m: &MotionModel, x: &Vec5, dt: f64) -> Vec5 {
         let (vx, vy) = (x[2], x[3]);
         match self {
@@ -47,7 +47,7 @@ impl MotionMode {
                 let kept = (-decay * dt).exp();
                 let turned = x[4] * (1.0 - kept) / decay;
                 let (sin, cos) = turned.sin_cos();
-                // The chord of the arc; its limit where nothing turns (the print of eq. 10 divides by zero there).
+                // The chord of the arc, with its limit for no turn (the print of eq. 10 divides by zero there).
                 let (along, across) = if turned.abs() < 1e-6 {
                     (1.0, 0.5 * turned)
                 } else {
@@ -64,11 +64,11 @@ impl MotionMode {
         }
     }
 
-    /// What is not known about the way between.
+    /// The process noise of the step.
     fn noise(self, m: &MotionModel, dt: f64) -> Mat5 {
         let q = m.accel_psd[self as usize];
         let (pp, pv, vv) = match self {
-            // A velocity that is pushed about and comes to rest (Ornstein and Uhlenbeck).
+            // A velocity with random accelerations that comes to rest (Ornstein and Uhlenbeck).
             MotionMode::Standing => {
                 let (t, e) = (m.halt_s, (-dt / m.halt_s).exp());
                 let settled = t / 2.0 * (1.0 - e * e);
@@ -83,7 +83,7 @@ impl MotionMode {
         let turn = m.turn_variance();
         let ww = match self {
             MotionMode::Turning => turn * (1.0 - (-2.0 * m.straighten_per_s() * dt).exp()),
-            // Whoever begins to turn does it at any rate.
+            // A person who begins to turn may do so at any rate.
             MotionMode::Standing | MotionMode::Straight => turn,
         };
         let mut noise = Mat5::zeros();
@@ -97,8 +97,7 @@ impl MotionMode {
         noise
     }
 
-    /// The state after `dt` seconds; `noisy` says whether what people do in between counts, or only what is not
-    /// known now.
+    /// The state after `dt` seconds; `noisy` says whether process noise counts, or only the present uncertainty.
     pub fn predict(self, m: &MotionModel, s: &KinematicState, dt: f64, noisy: bool) -> KinematicState {
         let root = root_of(&s.cov) * (N as f64).sqrt();
         let mut points = [Vec5::zeros(); 2 * N];
@@ -123,7 +122,7 @@ impl MotionMode {
     }
 }
 
-/// A matrix whose square is `cov`. Rounding may make a covariance that is not quite one: a little is added then.
+/// The lower triangular L with L Lᵀ = `cov`. If rounding made `cov` not quite positive, a little is added.
 fn root_of(cov: &Mat5) -> Mat5 {
     let mut lift = 1e-12;
     loop {

@@ -1,8 +1,7 @@
 //! Layers of nets, forward only: an affine map, a long short-term memory (Hochreiter and Schmidhuber 1997) and a plain
 //! recurrent layer (Elman 1990).
-//!
-//! Main types: [`Affine`], [`Lstm`], [`Elman`]. Weights are rows of inputs, so that one input meets all outputs in
-//! memory order. Nothing here allocates: the caller brings the states. Refuses: to learn.
+//! Main types: [`Affine`], [`Lstm`], [`Elman`]. Weights are rows by input, so that one input meets all outputs in
+//! memory order. Nothing here allocates: the caller provides the states. Refuses: to learn.
 
 use super::squash::{sigmoid, tanh};
 use serde::{Deserialize, Serialize};
@@ -36,7 +35,7 @@ mod ten_thousandths {
     }
 }
 
-/// A long short-term memory. Of its four gates, each `hidden` wide, the order is: input, forget, cell, output.
+/// A long short-term memory. Its four gates, each `hidden` wide, are in the order input, forget, cell, output.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lstm {
@@ -58,7 +57,7 @@ pub struct Elman {
     pub map: Affine,
 }
 
-/// Adds `x W` to `y`, rows of `x` and `y` being of the given lengths. Four rows of `W` are taken at a time, which
+/// Adds `x W` to `y`, with rows of `x` and `y` of the given lengths. Four rows of `W` are processed at a time, which
 /// fixes the order of additions.
 pub fn add_product(x: &[f32], weights: &[f32], outputs: usize, y: &mut [f32]) {
     let inputs = weights.len() / outputs;
@@ -80,24 +79,24 @@ pub fn add_product(x: &[f32], weights: &[f32], outputs: usize, y: &mut [f32]) {
 }
 
 impl Affine {
-    /// All weights zero.
+    /// A map with all weights zero.
     pub fn new(inputs: usize, outputs: usize) -> Affine {
         Affine { inputs, outputs, weights: vec![0.0; inputs * outputs], bias: vec![0.0; outputs] }
     }
 
-    /// `y` of `x`; several rows at once where both hold several.
+    /// Computes `y` from `x`; several rows at once if both hold several.
     pub fn apply(&self, x: &[f32], y: &mut [f32]) {
         y.chunks_exact_mut(self.outputs).for_each(|y| y.copy_from_slice(&self.bias));
         add_product(x, &self.weights, self.outputs, y);
     }
 
-    /// Rounds all weights to what a file holds.
+    /// Rounds all weights to the precision of a file.
     pub fn round(&mut self) {
         let all = self.weights.iter_mut().chain(&mut self.bias);
         all.for_each(|w| *w = ((f64::from(*w) * 1e4).round() / 1e4) as f32);
     }
 
-    /// What is wrong with its shape or figures; nothing if it maps so many numbers to so many.
+    /// What is wrong with the map's shape or weights; nothing if it maps `inputs` numbers to `outputs` numbers.
     pub fn fault(&self, inputs: usize, outputs: usize) -> Option<String> {
         let is_shaped = self.inputs == inputs && self.outputs == outputs;
         let is_full = self.weights.len() == inputs * outputs && self.bias.len() == outputs;
@@ -112,7 +111,7 @@ impl Affine {
 }
 
 impl Lstm {
-    /// All weights zero.
+    /// A memory with all weights zero.
     pub fn new(inputs: usize, hidden: usize) -> Lstm {
         Lstm { inputs, hidden, gates: Affine::new(inputs + hidden, 4 * hidden) }
     }
@@ -135,7 +134,7 @@ impl Lstm {
         }
     }
 
-    /// As for [`Affine::fault`].
+    /// What is wrong with the memory's shape or weights, as for [`Affine::fault`].
     pub fn fault(&self, inputs: usize) -> Option<String> {
         if self.inputs != inputs || self.hidden == 0 {
             return Some(format!("a memory of {} inputs must have {inputs}", self.inputs));
@@ -145,7 +144,7 @@ impl Lstm {
 }
 
 impl Elman {
-    /// All weights zero.
+    /// A layer with all weights zero.
     pub fn new(inputs: usize, hidden: usize) -> Elman {
         Elman { inputs, map: Affine::new(inputs + hidden, hidden) }
     }
@@ -160,7 +159,7 @@ impl Elman {
         h.iter_mut().zip(z).for_each(|(h, z)| *h = tanh(*z));
     }
 
-    /// As for [`Affine::fault`].
+    /// What is wrong with the layer's shape or weights, as for [`Affine::fault`].
     pub fn fault(&self, inputs: usize) -> Option<String> {
         if self.inputs != inputs || self.map.outputs == 0 {
             return Some(format!("a recurrent layer of {} inputs must have {inputs}", self.inputs));

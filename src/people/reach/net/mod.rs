@@ -1,7 +1,7 @@
 //! Nets, forward only: layers and the functions in their nodes.
 //!
 //! Main types: [`Lstm`], [`Elman`], [`Affine`]. Single precision, no allocation, equal bits on every machine. Refuses:
-//! to learn; that is the experiments' work.
+//! to learn; experiments do that.
 
 mod layers;
 pub mod squash;

@@ -1,19 +1,19 @@
 //! Exponential, sigmoid and hyperbolic tangent of many numbers at once.
 //!
 //! Main functions: [`exp`], [`sigmoid`], [`tanh`]. They use additions, multiplications and divisions only, so their
-//! bits are equal on every machine, and the compiler may take several numbers at a time: gates of a net are most of
-//! its time. What decides anything afterwards (probabilities) is computed with `libm` in double precision. Refuses:
-//! more accuracy than single precision holds.
+//! bits are equal on every machine, and the compiler may vectorise them: gates take most of a net's time. Decisions
+//! afterwards (probabilities) are computed with `libm` in double precision. Refuses: more accuracy than single
+//! precision holds.
 
-/// Adding it moves the integer part of a small number into the lowest bits.
+/// Adding this moves the integer part of a small number into the lowest bits.
 const SHIFT: f32 = 12_582_912.0;
 /// The upper part of ln 2: its product with a small integer is exact.
 const LN2_HIGH: f32 = 0.693_359_4;
 /// The rest of ln 2.
 const LN2_LOW: f32 = -2.121_944_4e-4;
 
-/// e to the power of `x`, which is taken as from −80 to 80. Relative error below 3e-7: argument reduced by multiples
-/// of ln 2, then the Taylor series.
+/// e to the power of `x`, which is clamped to −80 to 80. Relative error below 3e-7: argument reduced by multiples of ln
+/// 2, then the Taylor series.
 #[inline]
 pub fn exp(x: f32) -> f32 {
     let x = x.clamp(-80.0, 80.0);
@@ -40,7 +40,7 @@ pub fn tanh(x: f32) -> f32 {
     2.0 * sigmoid(2.0 * x) - 1.0
 }
 
-/// Turns scores into probabilities that sum to one, in double precision; nothing happens to an empty list.
+/// Turns scores into probabilities that sum to one, in double precision; an empty list stays empty.
 pub fn softmax(scores: &mut [f64]) {
     let highest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut sum = 0.0;
