@@ -1,4 +1,4 @@
-//! Faults that are brought about one at a time, and which alarms follow; floors without faults, on which none should.
+//! Faults injected one at a time, and the alarms that follow; floors without faults, on which no alarm should follow.
 //!
 //! Main types: [`InjectedFault`], [`AlarmTrial`] (one fault), [`TrialRow`] (what followed), [`HealthyFloor`]. The
 //! alarms are those of a server: the same watch looks at the fleet every second, the same register raises them.
@@ -16,18 +16,18 @@ use giveway_sim::{Demand, Faults, Scenario, Simulation, Workers};
 use giveway_site::{Site, SiteLinks};
 use std::sync::Arc;
 
-/// The floor works for so long before something goes wrong; up to as long again, drawn from the seed.
+/// Least time that the floor works before the fault; up to as much again is drawn from the seed.
 const WARM: Span = Span::from_secs(120);
-/// A fault lasts for so long.
+/// Duration of a fault.
 const LASTS: Span = Span::from_secs(150);
-/// What is raised within so long after its end still belongs to it.
+/// An alarm raised this long after the end of a fault still counts for it.
 const AFTER: Span = Span::from_secs(60);
-/// So long a robot or a worker is waited for with whom this can happen.
+/// How long a trial waits for a robot or a worker that the fault can happen to.
 const WAITED_FOR: Span = Span::from_secs(4 * 3600);
-/// Charge of a robot that is too low for any job.
+/// Charge that is too low for any job, as a share of 1.
 const LOW: f64 = 0.04;
 
-/// What goes wrong.
+/// A fault to inject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum InjectedFault {
     /// A robot with a task breaks down.
@@ -36,7 +36,7 @@ pub enum InjectedFault {
     EmergencyStop,
     /// The radio of a robot with a task is dead.
     RadioSilence,
-    /// Something stands on a robot's way.
+    /// An obstacle stands on a robot's way.
     Obstacle,
     /// People push a standing robot between two nodes.
     Pushed,
@@ -46,12 +46,12 @@ pub enum InjectedFault {
     LowCharge,
     /// A headset falls silent.
     HeadsetSilence,
-    /// A person takes a robot over, which is nobody's fault: no alarm is expected.
+    /// A person takes over a robot, which is no fault: no alarm is expected.
     TakenOver,
 }
 
 impl InjectedFault {
-    /// All of them.
+    /// All faults.
     pub const ALL: [InjectedFault; 9] = [
         InjectedFault::BreakDown,
         InjectedFault::EmergencyStop,
@@ -64,7 +64,7 @@ impl InjectedFault {
         InjectedFault::TakenOver,
     ];
 
-    /// The word for it in reports.
+    /// The fault's word in reports.
     pub fn word(self) -> &'static str {
         match self {
             InjectedFault::BreakDown => "break_down",
@@ -79,7 +79,7 @@ impl InjectedFault {
         }
     }
 
-    /// The alarm that should be raised; nothing where none should.
+    /// The alarm that the fault should raise; nothing if it should raise none.
     pub fn expected(self) -> Option<AlarmKind> {
         match self {
             InjectedFault::BreakDown => Some(AlarmKind::RobotFailed),
@@ -94,7 +94,7 @@ impl InjectedFault {
         }
     }
 
-    /// Whether it can happen to this robot now.
+    /// Whether the fault can happen to this robot now.
     fn can_happen_to(self, robot: &RobotView) -> bool {
         let works = robot.task != Task::Idle && robot.state != RobotState::Failed && robot.fault.is_none();
         match self {
@@ -110,41 +110,41 @@ impl InjectedFault {
 /// One fault on one floor.
 #[derive(Clone, Debug)]
 pub struct AlarmTrial {
-    /// The hall.
+    /// The floor of the trial.
     pub warehouse: Arc<Warehouse>,
-    /// Robots in it.
+    /// Number of robots.
     pub robots: usize,
-    /// What goes wrong.
+    /// The fault to inject.
     pub fault: InjectedFault,
 }
 
-/// What followed a fault.
+/// Result of one trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrialRow {
-    /// How long after the fault the alarm was raised that should be; nothing where it was not.
+    /// Time from the fault to the expected alarm; nothing if it was not raised.
     pub delay: Option<Span>,
-    /// The kinds of all alarms that were raised from the fault on, the expected one among them.
+    /// The kinds of all alarms raised from the fault on, including the expected one.
     pub raised: Vec<AlarmKind>,
-    /// Whether none of them is active a minute after the end of the fault.
+    /// Whether none of these alarms is active a minute after the end of the fault.
     pub cleared: bool,
 }
 
-/// A floor on which nothing goes wrong.
+/// A floor without faults.
 #[derive(Clone, Debug)]
 pub struct HealthyFloor {
-    /// Its name in reports.
+    /// The floor's name in reports.
     pub map: String,
-    /// The hall.
+    /// The floor's map.
     pub warehouse: Arc<Warehouse>,
-    /// Robots in it.
+    /// Number of robots.
     pub robots: usize,
-    /// People in it.
+    /// Number of people.
     pub workers: usize,
-    /// How long, seconds.
+    /// Duration of a run, seconds.
     pub seconds: f64,
 }
 
-/// What a server would raise, looking once a second.
+/// The alarms that a server would raise, looking once a second.
 struct AlarmLog {
     watch: FloorWatch,
     register: AlarmRegister,
@@ -178,7 +178,7 @@ impl AlarmLog {
 }
 
 impl AlarmTrial {
-    /// The trial with this seed; nothing if nobody comes for hours to whom this could happen.
+    /// Runs the trial with this seed; nothing if for hours there is no robot or worker that the fault can happen to.
     pub fn run(&self, seed: u64) -> Option<TrialRow> {
         let workers = usize::from(self.fault == InjectedFault::HeadsetSilence);
         let end = WARM * 2 + WAITED_FOR + LASTS + AFTER;
@@ -217,7 +217,7 @@ impl AlarmTrial {
         })
     }
 
-    /// Brings the fault about with somebody to whom it can happen. To whom it did.
+    /// Injects the fault into a random subject that it can happen to. Gives the subject.
     fn bring_about(&self, sim: &mut Simulation, dice: &mut Dice) -> Option<FaultSubject> {
         let view = sim.fleet().view(sim.now());
         let until = sim.now() + LASTS;
@@ -254,7 +254,7 @@ impl AlarmTrial {
     }
 }
 
-/// To whom something happened.
+/// The subject of an injected fault.
 enum FaultSubject {
     Robot(String),
     AnyRobot,
@@ -276,7 +276,7 @@ fn is_seen(view: &View, worker: WorkerId) -> bool {
 }
 
 impl HealthyFloor {
-    /// The kinds of all alarms that were raised in a run without faults.
+    /// The kinds of all alarms raised in a run without faults.
     pub fn run(&self, seed: u64) -> Vec<AlarmKind> {
         let length = Span::from_secs_f64(self.seconds);
         let scenario = scenario("healthy", (self.robots, self.workers), length, seed);

@@ -1,6 +1,6 @@
-//! A small generator of numbers that look random.
+//! A small generator of random-looking numbers.
 //!
-//! Main type: [`Dice`]. Refuses: quality; experiments ask for variety only.
+//! Main type: [`Dice`]. Refuses: quality; experiments only need variety.
 
 /// A generator (xorshift, Marsaglia 2003): the same seed, the same numbers.
 #[derive(Clone, Debug)]
@@ -11,7 +11,7 @@ impl Dice {
         Dice(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
-    /// One of `0..n`; 0 where `n` is 0.
+    /// A number from `0..n`; 0 if `n` is 0.
     pub fn below(&mut self, n: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

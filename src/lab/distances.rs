@@ -1,4 +1,4 @@
-//! What it takes to bring distances to goals up to date after one edge was cut or restored.
+//! The cost of updating distances to goals after one edge was cut or restored.
 //!
 //! Main function: [`run`]. The published system computes all distances between 228 nodes anew (Petković 2021, section
 //! 4.3.2: 3.456 ms). Refuses: to look at a clock; the stopwatch is passed in.
@@ -12,7 +12,7 @@ use giveway_people::human::{Field, Graph};
 /// A graph to measure on.
 #[derive(Debug)]
 pub struct DistanceSetup {
-    /// What it is.
+    /// Name of the graph.
     pub name: String,
     nodes: Vec<Point>,
     edges: Vec<(usize, usize, f64)>,
@@ -28,7 +28,7 @@ impl DistanceSetup {
         DistanceSetup { name: format!("{} roads", w.name), nodes, edges, goals }
     }
 
-    /// A square grid, a metre or a little more from node to node (hardly any two ways are equally long, so that cuts
+    /// A square grid with nodes a metre or slightly more apart (hardly any two ways are equally long, so that cuts
     /// matter), with a goal near each corner and one in the middle.
     pub fn grid(side: usize) -> DistanceSetup {
         let nodes: Vec<Point> =
@@ -54,22 +54,22 @@ fn spread(nodes: &[Point]) -> Vec<usize> {
     places.iter().filter_map(nearest).collect()
 }
 
-/// What was measured, nanoseconds ascending.
+/// Measured durations, nanoseconds, ascending.
 #[derive(Debug)]
 pub struct DistanceOutcome {
-    /// How many nodes.
+    /// Number of nodes.
     pub nodes: usize,
-    /// How many edges.
+    /// Number of edges.
     pub edges: usize,
-    /// How many goals.
+    /// Number of goals.
     pub goals: usize,
-    /// One change of one edge, distances to all goals repaired.
+    /// Durations of repairing the distances to all goals after one edge changed.
     pub repair_ns: Vec<u64>,
-    /// All distances to all goals anew.
+    /// Durations of computing the distances to all goals anew.
     pub anew_ns: Vec<u64>,
 }
 
-/// Cuts `changes` random edges one by one, each restored at once; both repairs count.
+/// Cuts `changes` random edges one by one, each restored at once; both repairs are measured.
 pub fn run(setup: &DistanceSetup, changes: usize, seed: u64, stopwatch: fn() -> u64) -> DistanceOutcome {
     let graph = Graph::new(setup.nodes.len(), &setup.edges);
     let mut dice = Dice::new(seed);

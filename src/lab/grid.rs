@@ -1,14 +1,14 @@
 //! Benchmark floors: octile `.map` files and the kiva endpoint format, as four-connected grids of single cells.
 //!
-//! Main type: [`Grid`]. Refuses: to know what cells are for; for a floor to work on, import the map instead.
+//! Main type: [`Grid`]. Refuses: to know what cells are for; to run a fleet on such a floor, import the map instead.
 
 use giveway_floor::geometry::Point;
 use giveway_floor::id::NodeId;
 use giveway_floor::warehouse::{Draft, DraftLane, DraftNode, Users, Warehouse};
 use std::sync::Arc;
 
-/// Letters of free floor. Swamp (`S`) is free in octile maps, as are the places to pick from and to deliver to that
-/// maps of the League of Robot Runners call `S` and `E`; `e` and `r` are endpoints and homes of the kiva format.
+/// Letters of free floor. Swamp (`S`) is free in octile maps, as are the places for picking and delivery that maps of
+/// the League of Robot Runners call `S` and `E`; `e` and `r` are endpoints and homes of the kiva format.
 const FREE: &str = ".GSEer";
 
 /// Letters of cells that robots cannot enter.
@@ -17,7 +17,7 @@ const WALLS: &str = "@OTW";
 /// A floor of square cells.
 #[derive(Clone, Debug)]
 pub struct Grid {
-    /// Cells in a row.
+    /// Number of cells in a row.
     pub width: usize,
     /// The floor, one node per free cell, one metre apart.
     pub warehouse: Arc<Warehouse>,

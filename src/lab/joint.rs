@@ -1,4 +1,4 @@
-//! What it costs to plan one robot together with the few in its way, on a floor where all robots are at work.
+//! The cost of planning one robot together with the few in its way, on a floor where all robots are at work.
 //!
 //! Main types: [`JointSetup`], [`JointOutcome`]; main function: [`run`]. Robots, radios and batteries are those of the
 //! simulator; only [`Fleet::plan_jointly`] is timed. Refuses: to look at a clock itself; the caller passes a stopwatch
@@ -17,31 +17,31 @@ const BETWEEN: usize = 10;
 /// Jobs per robot, so that no robot runs out of them.
 const JOBS: usize = 4;
 
-/// How to measure.
+/// Parameters of the measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct JointSetup {
-    /// How many robots.
+    /// Number of robots.
     pub robots: usize,
     /// Steps before anything is measured.
     pub settle: usize,
-    /// How many plans are measured.
+    /// Number of measured plans.
     pub plans: usize,
 }
 
-/// What was measured.
+/// Measured durations.
 #[derive(Clone, Debug, Default)]
 pub struct JointOutcome {
-    /// Durations of plans that gave all of their robots routes, nanoseconds, ascending.
+    /// Durations of plans that found routes for all of their robots, nanoseconds, ascending.
     pub found_ns: Vec<u64>,
     /// Durations of plans that did not, nanoseconds, ascending.
     pub failed_ns: Vec<u64>,
 }
 
-/// Plans one robot after the other together with those in its way. Its new route is driven, so the next plan meets a
-/// floor that this one changed.
+/// Plans one robot after another together with those in its way. The new routes are driven, so the next plan meets a
+/// changed floor.
 ///
 /// # Panics
-/// If the scenario that it is made of is refused, which would be a mistake in here.
+/// If its own scenario text is refused, which would be a bug here.
 pub fn run(
     warehouse: &Arc<Warehouse>,
     setup: &JointSetup,
@@ -67,7 +67,7 @@ pub fn run(
         let done = fleet.step(now, inputs);
         world.take(now, &done);
         if step >= settle && (step - settle).is_multiple_of(BETWEEN) {
-            // Neighbours in number start side by side: robots far apart take turns.
+            // Robots with neighbouring numbers start side by side: robots far apart take turns.
             let robot = RobotId((measured * 7919 % robots) as u32);
             let start = stopwatch();
             let is_found = fleet.plan_jointly(robot, now);

@@ -2,15 +2,15 @@
 //!
 //! Main modules: [`grid`] (benchmark floors as text), [`lifelong`] (goals reached per step under pebble rules),
 //! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions recognised),
-//! [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways of giving
-//! way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for), [`stations`]
-//! (what picking stations gain by lines and hands), [`picks`] (where recorded hands go), [`objects`] (which object
-//! a person fetches), [`arm`] (a robot arm beside a picker), [`corridor`] (robots that leave the line to pass a
-//! worker), [`alarms`] (which alarms follow from faults), [`steps`] (what a step costs), [`joint`] (what planning a
-//! few robots together costs), [`month`] (what it keeps), [`statistics`]. Refuses: to read files or clocks; the caller
-//! passes texts in and takes figures out.
+//! [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people under four policies),
+//! [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for), [`stations`] (what
+//! picking stations gain by lines and hands), [`picks`] (where recorded hands go), [`objects`] (which object a person
+//! fetches), [`arm`] (a robot arm beside a picker), [`corridor`] (robots that leave the line to pass a worker),
+//! [`alarms`] (which alarms follow from faults), [`steps`] (what a step costs), [`joint`] (what planning a few robots
+//! together costs), [`month`] (what the fleet keeps over time), [`statistics`]. Refuses: to read files or clocks; the
+//! caller passes texts in and takes figures out.
 
-// `println!` and its like, which outlive a closed pipe.
+// The crate's own printing macros, which survive a closed pipe.
 #[macro_use]
 extern crate giveway;
 

@@ -1,12 +1,12 @@
 //! Lifelong planning on benchmark floors: every robot visits an endless list of goals; how many are reached per step?
 //!
 //! Main function: [`run`]. The planner is the product's own: each route is start → goal → own parking cell for ever
-//! (planning.md section 3), under pebble rules with or without turns. An independent check looks at every step of every
+//! (planning.md section 3), under pebble rules with or without turns. An independent check examines every step of every
 //! robot. Refuses: to trust the timeline for that check, and to look at a clock.
 //!
 //! Goals are counted as the League of Agent Runners counts them: a robot that is on its goal's cell at a step has
-//! reached it, whether it meant to stop there or not, and it reaches at most one goal a step. So a list that names the
-//! same cell for ever has an end: the robot stays there and reaches one goal a step.
+//! reached it, whether or not it meant to stop there, and it reaches at most one goal per step. So a list that names
+//! the same cell for ever does not stall: the robot stays there and reaches one goal per step.
 
 use super::grid::Grid;
 use giveway_floor::id::{NodeId, RobotId};
@@ -15,44 +15,44 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::timeline::{Timeline, Visit};
 use std::collections::BTreeSet;
 
-/// One step.
+/// Duration of one step.
 const STEP: Span = Span(1_000_000);
 
-/// What to run.
+/// Parameters of a run.
 #[derive(Clone, Debug)]
 pub struct LifelongSetup {
     /// Start cells, one per robot; also where it parks.
     pub starts: Vec<NodeId>,
     /// Goals; robot `i` of `k` takes entries `i`, `i + k`, `i + 2k`, …
     pub tasks: Vec<NodeId>,
-    /// How long.
+    /// Number of steps.
     pub steps: usize,
     /// Whether quarter turns take a step.
     pub turns: bool,
-    /// Every how many steps all robots are planned again in turn; zero for never.
+    /// Number of steps between two rounds in which all robots are planned again; zero for never.
     pub improve_every: usize,
     /// Labels that one search may expand.
     pub budget: u32,
 }
 
-/// What came out.
+/// Results of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LifelongOutcome {
     /// Goals reached.
     pub tasks: usize,
     /// Goals reached per step.
     pub tasks_per_step: f64,
-    /// Times two robots were on one cell.
+    /// How often two robots were on one cell.
     pub vertex_conflicts: usize,
-    /// Times two robots changed places.
+    /// How often two robots swapped cells.
     pub swaps: usize,
-    /// Times a robot moved farther than one cell in a step.
+    /// How often a robot moved farther than one cell in a step.
     pub jumps: usize,
-    /// Searches.
+    /// Number of searches.
     pub plans: usize,
-    /// Searches without a result.
+    /// Number of searches without a result.
     pub failures: usize,
-    /// Labels expanded in all.
+    /// Total number of expanded labels.
     pub expansions: u64,
 }
 
@@ -60,9 +60,9 @@ struct Agent {
     holder: RobotId,
     home: NodeId,
     next_task: usize,
-    /// When its route reaches the goal; nothing while none is planned.
+    /// When the robot's route reaches the goal; nothing if none is planned.
     reaches: Option<Time>,
-    /// The step from which a search without a result is tried again.
+    /// The step at which a failed search is tried again.
     retry: i64,
     track: Vec<NodeId>,
 }
@@ -95,7 +95,7 @@ pub fn parse_cells(grid: &Grid, text: &str) -> Result<Vec<NodeId>, String> {
     cells[..count].iter().map(node).collect()
 }
 
-/// The first cell that is in the list twice. Every robot parks where it starts, so no two may start at one cell.
+/// The first cell that occurs twice in the list. Every robot parks where it starts, so no two may start at one cell.
 pub fn first_shared(cells: &[NodeId]) -> Option<NodeId> {
     let mut seen = BTreeSet::new();
     cells.iter().copied().find(|&cell| !seen.insert(cell))
@@ -184,14 +184,14 @@ impl Run<'_> {
             robot.next_task += self.setup.starts.len();
             self.out.tasks += 1;
         }
-        // Else the robot would be planned for never again.
+        // Otherwise the robot would never be planned for again.
         assert!(
             robot.reaches.is_none_or(|goal| goal > now),
             "robot {i} is not on its goal at {now:?}, as planned"
         );
     }
 
-    /// The cell that the robot is to reach next.
+    /// The robot's next goal cell.
     fn goal(&self, i: usize) -> NodeId {
         self.setup.tasks[self.robots[i].next_task % self.setup.tasks.len()]
     }
@@ -204,7 +204,7 @@ impl Run<'_> {
         }
     }
 
-    /// Plans a robot with a goal again and keeps the result where the goal is reached earlier.
+    /// Plans a robot with a goal again, and keeps the result if it reaches the goal earlier.
     fn improve(&mut self, i: usize, now: Time) {
         let Some(planned) = self.robots[i].reaches else { return };
         if let Some(route) = self.search(i, now)
@@ -246,7 +246,7 @@ impl Run<'_> {
         }
     }
 
-    /// The heading with which the robot came, east at first. Turns that are under way are not remembered.
+    /// The heading of the robot's last move, east at first. Unfinished turns are not remembered.
     fn heading(&self, i: usize) -> f64 {
         let track = &self.robots[i].track;
         let at = |n: NodeId| self.grid.warehouse.nodes[n].at;
@@ -262,7 +262,7 @@ impl Run<'_> {
         reserved.expect("the search uses only free windows");
     }
 
-    /// Looks at the tracks alone: cells taken twice, places exchanged, moves beyond a neighbour.
+    /// Checks the tracks alone: cells taken twice, swaps, moves beyond a neighbour.
     fn check(&mut self) {
         let nodes = self.grid.warehouse.nodes.len();
         let mut before = vec![usize::MAX; nodes];
@@ -282,13 +282,13 @@ impl Run<'_> {
                     && self.robots[other].track[step - 1] == cell;
                 self.out.swaps += usize::from(swapped);
             }
-            // A pair is seen once: the one with the larger number looks at the smaller one.
+            // Each pair is checked once: by the robot with the larger number.
             before = here;
         }
     }
 }
 
-/// When a route that is planned `now` reaches its first goal: a goal on the cell where it starts at the next step.
+/// When a route planned `now` reaches its first goal; for a goal on the starting cell, at the next step.
 fn reached(route: &Route, now: Time) -> Time {
     route.first_arrival().max(now + STEP)
 }
@@ -311,7 +311,7 @@ mod tests {
         LifelongSetup { starts, tasks, steps: 12, turns: false, improve_every: 1, budget: 1000 }
     }
 
-    /// Goals reached in twelve steps by robots from these cells.
+    /// Number of goals reached in twelve steps by robots from these cells.
     fn reached_by(starts: &str, tasks: &str) -> usize {
         let grid = corridor();
         let out = run(&grid, &setup(&grid, starts, tasks), |_| {});
@@ -362,7 +362,7 @@ mod tests {
 
     #[test]
     fn two_robots_that_exchange_goals_all_the_time_get_round_one_another() {
-        // Goals 5 and 6 by turns, parking in the bays of cells 0 and 1.
+        // Goals 5 and 6 in turn, parking in the bays of cells 0 and 1.
         assert!(reached_by("2 7 8", "4 5 6 6 5") >= 2);
     }
 

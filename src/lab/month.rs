@@ -1,7 +1,7 @@
 //! A small floor for a long time: jobs, workers, assignments and closures come and go, day after day.
 //!
-//! Main types: [`Day`] (what the fleet keeps at its end); main function: [`run`]. Steps of a second make a month quick.
-//! Refuses: to read the memory of the process; the caller does, at the end of each day.
+//! Main types: [`Day`] (what the fleet keeps at the end of a day); main function: [`run`]. Steps of a second make a
+//! month quick. Refuses: to read the memory of the process; the caller does, at the end of each day.
 
 use giveway_fleet::{
     AssignmentRequest, Binds, Closure, Fleet, FloorAction, Input, JobAction, JobKind, JobRequest,
@@ -18,15 +18,15 @@ use std::sync::Arc;
 const MINUTE: i64 = 60;
 const HOUR: i64 = 3_600;
 const DAY: i64 = 86_400;
-/// Workers who come by turns, one in each hour.
+/// Number of workers who come in turn, one each hour.
 const WORKERS: i64 = 10;
-/// For how much of its hour a worker is on the floor, seconds.
+/// How much of its hour a worker is on the floor, seconds.
 const ON_FLOOR: i64 = 20 * MINUTE;
 
 /// What the fleet keeps at the end of a day.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Day {
-    /// Which, from 1.
+    /// Number of the day, from 1.
     pub day: u64,
     /// Jobs accepted and done so far.
     pub jobs: [u64; 2],
@@ -34,22 +34,22 @@ pub struct Day {
     pub assignments: u64,
     /// Closures announced so far.
     pub closures: u64,
-    /// Jobs that are open.
+    /// Number of open jobs.
     pub open_jobs: usize,
-    /// Assignments that are open.
+    /// Number of open assignments.
     pub open_assignments: usize,
-    /// Closures that are kept.
+    /// Number of closures that are kept.
     pub kept_closures: usize,
-    /// Badly ended jobs that are known.
+    /// Number of badly ended jobs that are kept.
     pub bad_ends: usize,
-    /// Keys of customers that are known.
+    /// Number of customers' keys that are kept.
     pub keys: usize,
 }
 
-/// Runs so many days with so many robots; `at_end` is told of each.
+/// Runs `days` days with `robots` robots; calls `at_end` after each.
 ///
 /// # Panics
-/// If the scenario that it is made of is refused, which would be a mistake in here.
+/// If its own scenario text is refused, which would be a bug here.
 pub fn run(warehouse: &Arc<Warehouse>, robots: usize, days: u64, mut at_end: impl FnMut(&Day)) {
     let text = format!(
         r#"{{"giveway_scenario": 1, "name": "month", "map": "-", "robots": {robots}, "period_ms": 1000,
@@ -91,7 +91,7 @@ fn what_is_kept(fleet: &Fleet, day: u64) -> Day {
     }
 }
 
-/// One worker an hour walks to and fro, has something to do, and leaves; what is still open then is taken back.
+/// One worker an hour walks to and fro, has an assignment, and leaves; open assignments are then taken back.
 fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, inputs: &mut Vec<Input>) {
     let (hour, second) = (s / HOUR, s % HOUR);
     let worker = WorkerId((hour % WORKERS) as u32);
@@ -141,7 +141,7 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
     }
 }
 
-/// Twice an hour a closure; once an hour a job with three after it, which is cancelled a minute later.
+/// Twice an hour a closure; once an hour a job that three others wait for, which is cancelled a minute later.
 fn orders(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, inputs: &mut Vec<Input>) {
     if s % (HOUR / 2) == 5 {
         let at = |seconds: i64| now + Span::from_secs(seconds);

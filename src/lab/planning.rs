@@ -1,10 +1,10 @@
 //! How long one route takes to plan while all other robots hold theirs.
 //!
-//! Main function: [`run`]. A crowd of robots holds routes as in operation: as many racks are bound for each station as
-//! it has places, as many robots again bring a rack to storage, all others go to a rack; departures are spread over a
-//! minute. Then single robots in turn get a new errand of their kind, planned against all others. With a weight, each
-//! errand is planned a second time with the way ahead weighted ([`Planner::weigh`]), and compared; robots keep the
-//! plain route. Refuses: to look at a clock itself; the caller passes a stopwatch in.
+//! Main function: [`run`]. Many robots hold routes as in operation: as many racks are bound for each station as it has
+//! places, as many robots bring a rack to storage, all others go to a rack; departures are spread over a minute. Then
+//! single robots in turn get a new errand of their kind, planned against all others. With a weight, each errand is
+//! planned a second time with the way ahead weighted ([`Planner::weigh`]), and compared; robots keep the plain route.
+//! Refuses: to look at a clock itself; the caller passes a stopwatch in.
 
 use giveway_floor::id::{BodyId, Dense, NodeId, RobotId, StationId};
 use giveway_floor::route::{Kinematics, NO_PEOPLE, NoRoute, Planner, Route, RouteQuery, Rules, Stage};
@@ -15,56 +15,58 @@ use giveway_sim::starting_places;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// What to measure.
+/// Parameters of the measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanningSetup {
-    /// How many robots hold routes.
+    /// Number of robots that hold routes.
     pub robots: usize,
-    /// How many single routes to plan.
+    /// Number of single routes to plan.
     pub queries: usize,
     /// Labels that one search may expand.
     pub budget: u32,
     /// Seed of the errands.
     pub seed: u64,
-    /// The weight to compare with none; zero for no comparison.
+    /// The weight to compare; zero for no comparison.
     pub weight: f64,
 }
 
-/// What a weight changes.
+/// Effect of a weight on searches.
 #[derive(Clone, Debug, Default)]
 pub struct Weighted {
     /// Searches that found a route, nanoseconds, ascending.
     pub found_ns: Vec<u64>,
-    /// Searches that found none.
+    /// Searches that found none, nanoseconds.
     pub failed_ns: Vec<u64>,
     /// Labels expanded per search that found a route, ascending.
     pub expansions: Vec<u32>,
-    /// Time to the last goal, relative to the plain search, ascending: where both found a route without hurry.
+    /// Time to the last goal, relative to the plain search, ascending; only errands without hurry for which both found
+    /// a route.
     pub last: Vec<f64>,
     /// Time to the first goal, relative to the plain search.
     pub first: Vec<f64>,
-    /// Errands for which only the plain search found a route, and only the weighted one.
+    /// Number of errands for which only the plain search found a route, then of those for which only the weighted one
+    /// did.
     pub only: [usize; 2],
 }
 
-/// What was measured.
+/// Results of the measurement.
 #[derive(Clone, Debug, Default)]
 pub struct PlanningOutcome {
     /// Searches that found a route, nanoseconds, ascending.
     pub found_ns: Vec<u64>,
     /// Searches that found none, nanoseconds, ascending.
     pub failed_ns: Vec<u64>,
-    /// First plans of all robots one after another on the empty floor, nanoseconds in all.
+    /// Total time of the first plans of all robots one after another on the empty floor, nanoseconds.
     pub cold_ns: u64,
-    /// Robots that hold a route to somewhere else than where they stand.
+    /// Number of robots with a route to another place than where they stand.
     pub routes: usize,
-    /// Holds on all resources.
+    /// Number of reservations on all resources.
     pub holds: usize,
     /// Labels expanded per search, ascending.
     pub expansions: Vec<u32>,
     /// Memory of the lower bounds, bytes.
     pub estimate_bytes: usize,
-    /// The same with a weight, where one was asked for.
+    /// Results with a weight, if one was given.
     pub weighted: Weighted,
 }
 
@@ -77,7 +79,7 @@ struct PlanningCrowd {
     random: u64,
 }
 
-/// Plans single routes among many.
+/// Plans single routes among many held ones.
 pub fn run(
     warehouse: &Arc<Warehouse>,
     setup: &PlanningSetup,
@@ -118,7 +120,7 @@ pub fn run(
         for stage in &errand {
             crowd.planner.estimates().table(stage.goal, stage.loaded);
         }
-        // The second search finds the memory warm: they take turns.
+        // The second search finds caches warm: the two take turns.
         let weighted_first = query % 2 == 1;
         let early = (weight > 0.0 && weighted_first).then(|| crowd.timed(i, &errand, weight, stopwatch));
         let (found, ns) = crowd.timed(i, &errand, 0.0, stopwatch);
@@ -141,7 +143,7 @@ pub fn run(
 }
 
 impl PlanningCrowd {
-    /// A small generator of its own (xorshift): the figures ask for variety, not for quality.
+    /// A small generator of random-looking numbers (xorshift): the figures need variety, not quality.
     fn below(&mut self, n: usize) -> usize {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
@@ -149,8 +151,8 @@ impl PlanningCrowd {
         (self.random >> 11) as usize % n.max(1)
     }
 
-    /// What a robot does: a rack to a station and back, a rack to another storage node, or nothing but a way to one.
-    /// Robots are dealt to the kinds by number, so that the kinds are spread over the floor.
+    /// A robot's errand: a rack to a station and back, a rack to another storage node, or only a way to one. Kinds are
+    /// dealt to robots by number, so that they are spread over the floor.
     fn errand(&mut self, robot: usize) -> Vec<Stage> {
         let w = self.planner.warehouse().clone();
         let stage = |goal, loaded, stay| Stage { goal, loaded, lifts: false, stay: Span::from_millis(stay) };
@@ -160,7 +162,7 @@ impl PlanningCrowd {
             stations.flat_map(|(s, station)| std::iter::repeat_n(s, station.queue.len() + 1)).collect();
         let kinds = (self.starts.len() / places.len().max(1)).max(2);
         if from_storage && robot.is_multiple_of(kinds) && robot / kinds < places.len() {
-            // Neighbours in number go to stations far apart.
+            // Robots with neighbouring numbers go to stations far apart.
             let station = places[robot / kinds * 7 % places.len()];
             return vec![
                 stage(w.stations[station].node, true, 8_000),
@@ -198,7 +200,7 @@ impl PlanningCrowd {
         self.planner.plan(&ask, &self.timeline.without(&[holder]))
     }
 
-    /// A search with a weight, and how long it took, nanoseconds.
+    /// A search with a weight, with its duration, nanoseconds.
     fn timed(
         &mut self,
         robot: usize,

@@ -1,18 +1,18 @@
 //! Charts as standalone SVG documents.
 //!
-//! Main types: [`LineChart`], [`BarChart`]. Refuses: to compute what it draws.
+//! Main types: [`LineChart`], [`BarChart`]. Refuses: to compute the figures it draws.
 
 use std::fmt::Write as _;
 
 /// Width of a chart, pixels.
 const WIDTH: f64 = 960.0;
-/// Left and right of the plot, pixels.
+/// Margins left and right of the plot, pixels.
 const SIDES: (f64, f64) = (64.0, 24.0);
 /// Height of the title, pixels.
 const TITLE: f64 = 88.0;
 /// Height of the plot itself, pixels.
 const PLOT: f64 = 320.0;
-/// Width of an entry of the legend and height of a line, pixels.
+/// Width of an entry of the legend and height of its line, pixels.
 const ENTRY: (f64, f64) = (168.0, 22.0);
 
 const STYLE: &str = "
@@ -23,7 +23,7 @@ text{font-family:'Inter','Helvetica Neue',Arial,'DejaVu Sans',sans-serif;font-si
 .line{fill:none;stroke-width:2.2;stroke-linejoin:round}
 .whisker{stroke:#273142;stroke-width:1.4;fill:none}";
 
-/// Appends formatted text; a string never refuses it.
+/// Appends formatted text; writing to a string never fails.
 macro_rules! put {
     ($out:expr, $($arg:tt)*) => {
         write!($out, $($arg)*).expect("a string takes all text")
@@ -33,20 +33,20 @@ macro_rules! put {
 /// A line of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Its name in the legend.
+    /// The line's name in the legend.
     pub label: String,
-    /// As CSS writes it.
+    /// Colour as CSS writes it.
     pub colour: &'static str,
-    /// In the order of x.
+    /// Points in the order of x.
     pub points: Vec<(f64, f64)>,
 }
 
 /// Lines over a common axis, with numbered marks that are explained below.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineChart {
-    /// Headline.
+    /// Title of the chart.
     pub title: String,
-    /// What is below it.
+    /// Text below the title.
     pub subtitle: String,
     /// Name of the horizontal axis with its unit.
     pub x: String,
@@ -56,27 +56,27 @@ pub struct LineChart {
     pub range: (f64, f64),
     /// The lines.
     pub series: Vec<Series>,
-    /// Where on the horizontal axis what happened.
+    /// Events on the horizontal axis, with their texts.
     pub marks: Vec<(f64, String)>,
 }
 
 /// A bar with the ends of its error bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bar {
-    /// Its height.
+    /// Height of the bar.
     pub value: f64,
-    /// From here …
+    /// Lower end of the error bar.
     pub low: f64,
-    /// … to here.
+    /// Upper end of the error bar.
     pub high: f64,
 }
 
 /// Bars in groups, one of each series in a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarChart {
-    /// Headline.
+    /// Title of the chart.
     pub title: String,
-    /// What is below it, among others what error bars mean.
+    /// Text below the title, which also explains the error bars.
     pub subtitle: String,
     /// Name of the vertical axis with its unit.
     pub y: String,
@@ -101,7 +101,7 @@ impl PlotFrame {
     }
 }
 
-/// Round numbers from `low` to `high`, about so many.
+/// Round numbers from `low` to `high`, about `about` of them.
 fn ticks(low: f64, high: f64, about: f64) -> Vec<f64> {
     let rough = ((high - low) / about).max(1e-9);
     let scale = 10_f64.powf(rough.log10().floor());
@@ -167,7 +167,7 @@ fn bottom(out: &mut String, name: &str) {
     );
 }
 
-/// Names with their colours from `top` on; returns where it ends.
+/// Names with their colours from `top` on; returns the lower end.
 fn legend(out: &mut String, top: f64, entries: &[(&str, &str)]) -> f64 {
     let columns = ((WIDTH - SIDES.0) / ENTRY.0).floor() as usize;
     for (i, (label, colour)) in entries.iter().enumerate() {
@@ -183,7 +183,7 @@ fn legend(out: &mut String, top: f64, entries: &[(&str, &str)]) -> f64 {
 }
 
 impl LineChart {
-    /// Draws it.
+    /// The chart as SVG.
     pub fn to_svg(&self) -> String {
         let all = || self.series.iter().flat_map(|s| &s.points);
         let (low, high) = all().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.0), h.max(p.0)));
@@ -227,14 +227,14 @@ impl LineChart {
     }
 }
 
-/// The number of a mark in a disc.
+/// Draws the number of a mark in a disc.
 fn badge(out: &mut String, x: f64, y: f64, i: usize) {
     put!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"8\" fill=\"#667085\"/>");
     put!(out, "<text class=\"number\" x=\"{x:.1}\" y=\"{:.1}\">{}</text>\n", y + 4.0, i + 1);
 }
 
 impl BarChart {
-    /// Draws it.
+    /// The chart as SVG.
     pub fn to_svg(&self) -> String {
         let bars = || self.series.iter().flat_map(|s| &s.2);
         let high = bars().map(|b| b.value.max(b.high)).fold(0.0, f64::max);

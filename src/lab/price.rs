@@ -1,7 +1,7 @@
 //! What people on a floor cost the robots there, and what the robots cost the people.
 //!
 //! Main types: [`PriceFloor`], [`Shares`]. Every number of workers is run three times with each seed: people and
-//! robots, the robots alone, the people alone. Refuses: to compare runs of different seeds or seconds.
+//! robots, the robots alone, the people alone. Refuses: to compare runs of different seeds or durations.
 
 use super::statistics::Interval;
 use super::table::{RunRow, TableSetup};
@@ -13,17 +13,17 @@ use std::sync::Arc;
 /// A floor whose price is measured.
 #[derive(Clone, Debug)]
 pub struct PriceFloor {
-    /// Its name in reports.
+    /// The floor's name in reports.
     pub map: String,
-    /// The hall.
+    /// The floor's map.
     pub warehouse: Arc<Warehouse>,
-    /// Robots in it.
+    /// Number of robots.
     pub robots: usize,
     /// Numbers of workers.
     pub workers: Vec<usize>,
 }
 
-/// What is left of what each side would do without the other.
+/// What remains of each side's output beside the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shares {
     /// Racks served while workers are on the floor, as a share of those served in the same seconds without them.
@@ -33,7 +33,7 @@ pub struct Shares {
 }
 
 impl PriceFloor {
-    /// A run with so many robots and workers.
+    /// The setup of a run with these numbers of robots and workers.
     pub fn setup(&self, robots: usize, workers: usize, seconds: f64, causes: Causes) -> TableSetup {
         let warehouse = self.warehouse.clone();
         let (sensor, node_windows) = (Sensor::default(), NodeWindows::default());
@@ -42,8 +42,8 @@ impl PriceFloor {
 }
 
 impl Shares {
-    /// Of runs of the same seeds in the same order: of both, of the robots alone, of the people alone. A seed with
-    /// which nothing is done alone has no share.
+    /// Shares from runs of the same seeds in the same order: of both, of the robots alone, of the people alone. A seed
+    /// with no output alone is left out.
     pub fn of(both: &[RunRow], robots: &[RunRow], people: &[RunRow]) -> Shares {
         let share = |of: fn(&RunRow) -> f64, alone: &[RunRow]| {
             let pairs = both.iter().zip(alone).filter(|(_, alone)| of(alone) > 0.0);

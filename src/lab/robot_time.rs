@@ -1,34 +1,34 @@
-//! What robots spend their time on, and what those wait for that stand: how a floor loses deliveries.
+//! How robots spend their time, and what the standing ones wait for: how a floor loses deliveries.
 //!
-//! Main types: [`RobotTime`], [`TimeUse`]. Refuses: to say what would be better.
+//! Main types: [`RobotTime`], [`TimeUse`]. Refuses: to suggest improvements.
 
 use giveway_fleet::{Activity, Edge, Fleet, Party, Why};
 use giveway_floor::id::RobotId;
 use giveway_floor::time::Time;
 
-/// What a robot spends a moment on.
+/// A robot's activity at one moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUse {
-    /// It drives.
+    /// The robot drives.
     Drives,
-    /// It lifts a rack, sets it down, or stands at a station or in its queue.
+    /// The robot lifts a rack, sets it down, or stands at a station or in its queue.
     AtWork,
-    /// It gives way to a worker.
+    /// The robot gives way to a worker.
     GivesWay,
-    /// It waits for a robot that waits for a worker, over any number of robots.
+    /// The robot waits for a robot that waits for a worker, over any number of robots.
     BehindOneThatGivesWay,
-    /// It waits for robots of which none waits for a worker.
+    /// The robot waits for robots of which none waits for a worker.
     WaitsForRobots,
-    /// It has not found a route, and no worker is known to be the reason.
+    /// The robot has not found a route, and no worker is known to be the reason.
     NoRoute,
-    /// It waits outside its station, and no worker is the reason in the end.
+    /// The robot waits outside its station, and no worker is ultimately the reason.
     StationFull,
-    /// It has nothing to do, charges, or is out of order.
+    /// The robot has nothing to do, charges, or is out of order.
     Other,
 }
 
 impl TimeUse {
-    /// All of them.
+    /// All activities.
     pub const ALL: [TimeUse; 8] = [
         TimeUse::Drives,
         TimeUse::AtWork,
@@ -40,7 +40,7 @@ impl TimeUse {
         TimeUse::Other,
     ];
 
-    /// The word for it in reports.
+    /// The activity's word in reports.
     pub fn word(self) -> &'static str {
         match self {
             TimeUse::Drives => "drives",
@@ -54,7 +54,7 @@ impl TimeUse {
         }
     }
 
-    /// What a robot of a fleet spent its last step on.
+    /// A robot's activity in its last step.
     fn of(fleet: &Fleet, robot: RobotId, now: Time) -> TimeUse {
         match fleet.activity(robot, now).0 {
             Activity::Driving => TimeUse::Drives,
@@ -77,7 +77,7 @@ impl TimeUse {
         }
         let mut at = Party::Robot(robot);
         let (mut steps, mut last) = (0, fleet.why(robot));
-        // A circle of waiting is shorter than the fleet.
+        // A circle of waiting is no longer than the fleet.
         while let Edge::On(next) = fleet.wait(at).edge
             && steps <= fleet.ledger().robots.len()
         {
@@ -97,16 +97,16 @@ impl TimeUse {
     }
 }
 
-/// How often robots were seen at what.
+/// How often robots were seen at each activity.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RobotTime {
     seen: [u64; TimeUse::ALL.len()],
-    /// The sum of all speeds of those seen driving, millimetres per second.
+    /// Sum of all speeds of robots seen driving, millimetres per second.
     speeds_mmps: u64,
 }
 
 impl RobotTime {
-    /// Looks at all robots of a fleet.
+    /// Adds one look at all robots of a fleet.
     pub fn look(&mut self, fleet: &Fleet, now: Time) {
         for robot in fleet.ledger().present() {
             let time_use = TimeUse::of(fleet, robot, now);
@@ -118,7 +118,7 @@ impl RobotTime {
         }
     }
 
-    /// The same of several runs.
+    /// The sum over several runs.
     pub fn of_runs<'a>(runs: impl Iterator<Item = &'a RobotTime>) -> RobotTime {
         let mut all = RobotTime::default();
         for run in runs {
@@ -128,13 +128,13 @@ impl RobotTime {
         all
     }
 
-    /// How fast robots drive on average, metres per second; nothing where none drives.
+    /// Mean speed of driving robots, metres per second; nothing if none drives.
     pub fn mean_mps(&self) -> Option<f64> {
         let driving = self.seen[TimeUse::Drives as usize];
         (driving > 0).then(|| self.speeds_mmps as f64 / 1000.0 / driving as f64)
     }
 
-    /// What share of all robots' time went to this; nothing where there are no robots.
+    /// Share of all robots' time spent on this activity; nothing if there are no robots.
     pub fn share(&self, time_use: TimeUse) -> Option<f64> {
         let all: u64 = self.seen.iter().sum();
         (all > 0).then(|| self.seen[time_use as usize] as f64 / all as f64)

@@ -1,4 +1,4 @@
-//! The published safe spaces in figures, beside the distances that robots keep here; and the four cases, answered.
+//! The published safe spaces in figures, beside the distances that robots keep here; and the answers to the four cases.
 //!
 //! Main functions: [`spaces`], [`answers`]. The formulas are those of [`giveway_people::aware::safe_space`], which the
 //! fleet uses itself: this only puts numbers in. Refuses: the published tables of planning times and path lengths,
@@ -9,9 +9,9 @@ use giveway_floor::time::{Span, Time, Window};
 use giveway_people::aware::safe_space::{Adaptation, Case, StoppingTimes, Zone};
 use giveway_people::aware::{BODY_M, Regions};
 
-/// Speeds that are looked at, metres per second.
+/// Speeds in the table, metres per second.
 pub const SPEEDS_MPS: [f64; 5] = [0.3, 0.5, 0.7, 1.0, 1.5];
-/// The pose of a headset, one standard deviation, metres.
+/// Standard deviation of a headset's position, metres.
 const SIGMA_M: f64 = 0.02;
 
 /// Distances at one speed, metres.
@@ -19,23 +19,23 @@ const SIGMA_M: f64 = 0.02;
 pub struct Space {
     /// Speed of the robot, metres per second.
     pub speed_mps: f64,
-    /// Whether it carries a rack.
+    /// Whether the robot carries a rack.
     pub loaded: bool,
-    /// T_r and T_s.
+    /// Reaction time T_r and braking time T_s.
     pub times: StoppingTimes,
-    /// Equation 4.
+    /// Distance walked, equation 4.
     pub walked_m: f64,
-    /// Equation 7.
+    /// Distance driven while reacting, equation 7.
     pub reacting_m: f64,
-    /// Equation 8.
+    /// Distance driven while braking, equation 8.
     pub stopping_m: f64,
-    /// Worker safe space, radius.
+    /// Radius of the worker's safe space.
     pub worker_m: f64,
-    /// Construction robot safe space, radius.
+    /// Radius of the construction robot's safe space.
     pub robot_m: f64,
-    /// Ours, between the centres: where a robot of this speed must begin to brake for a person who stands.
+    /// Our distance between the centres at which a robot of this speed must begin to brake for a person who stands.
     pub stop_m: f64,
-    /// Ours, between the centres: where it must begin to brake if the person walks on towards it.
+    /// Our distance between the centres at which it must begin to brake if the person walks on towards it.
     pub separation_m: f64,
 }
 
@@ -62,20 +62,20 @@ pub fn spaces(kinematics: Kinematics, footprint_m: f64, period_s: f64) -> Vec<Sp
     [false, true].into_iter().flat_map(|l| SPEEDS_MPS.map(|v| space(l, v))).collect()
 }
 
-/// A zone with what is done about it.
+/// A zone with its answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answered {
     /// When the robot is there, and when the worker.
     pub zone: Zone,
-    /// Which case that is.
+    /// The case of the zone.
     pub case: Case,
     /// The published answer.
     pub published: Adaptation,
-    /// Ours.
+    /// Our answer.
     pub ours: Adaptation,
 }
 
-/// All four cases, also with equal times; a robot may come `slack` later.
+/// All four cases, also with equal times; a robot may be delayed by `slack`.
 pub fn answers(slack: Span) -> Vec<Answered> {
     let window = |a: f64, b: f64| Window::new(Time::from_secs_f64(a), Time::from_secs_f64(b));
     let worker = window(10.0, 12.0);
@@ -101,7 +101,8 @@ mod tests {
     fn where_safe_spaces_touch_lies_beyond_where_robots_brake_for_who_stands() {
         for s in spaces(Kinematics::default(), 0.9, 0.1) {
             assert!(s.worker_m + s.robot_m > s.stop_m, "{s:?}");
-            // Both walk and brake alike: what differs is constant, arms and distance against bodies and doubt.
+            // Walking and braking are the same in both: the difference is constant, arms and distance against bodies
+            // and doubt.
             let constant = s.worker_m + s.robot_m - s.separation_m;
             let arms = 0.89 + 0.9 * std::f64::consts::FRAC_1_SQRT_2 + 0.5;
             assert!((constant - (arms - (0.25 + 0.45 + 0.04 + 0.1))).abs() < 1e-9, "{s:?}");

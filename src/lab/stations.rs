@@ -1,6 +1,6 @@
 //! What picking stations gain by knowing lines, hands and ends of visits: the same hour with each flow.
 //!
-//! Main types: [`StationsSetup`], [`StationsRow`]. Refuses: to compare runs of different seeds or seconds.
+//! Main types: [`StationsSetup`], [`StationsRow`]. Refuses: to compare runs of different seeds or durations.
 
 use giveway_cell::arm::ArmMode;
 use giveway_cell::{Flow, LineOutcome, Lines};
@@ -13,7 +13,7 @@ use giveway_sim::{Scenario, Simulation};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Lines that were confirmed so shortly before the end are not judged: pieces may be on their way.
+/// Lines confirmed this shortly before the end are not judged: pieces may be on their way.
 const UNSETTLED: Span = Span::from_secs(10);
 
 /// A scenario with picking stations, and its building.
@@ -21,11 +21,11 @@ const UNSETTLED: Span = Span::from_secs(10);
 pub struct StationsSetup {
     /// The building.
     pub warehouse: Arc<Warehouse>,
-    /// What is simulated.
+    /// The scenario to simulate.
     pub scenario: Scenario,
 }
 
-/// What came out of one run.
+/// Figures of one run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StationsRow {
     /// Simulated hours.
@@ -34,25 +34,25 @@ pub struct StationsRow {
     pub lines: u64,
     /// Visits that ended.
     pub visits: u64,
-    /// Share of the time at stations in which people had nothing to pick.
+    /// Share of the time at stations in which pickers had nothing to pick.
     pub picker_idle: f64,
-    /// How long robots with racks for stations stood per visit before somebody picked from them, seconds.
+    /// How long robots with racks for stations stood per visit before picking began, seconds.
     pub robot_wait_s: f64,
-    /// Reaches to wrong slots, and those of them that were warned of before the piece was out.
+    /// Reaches to wrong slots.
     pub wrong: u64,
-    /// Those.
+    /// Reaches to wrong slots with a warning before the piece was out.
     pub wrong_warned: u64,
-    /// How long before a hand was in a wrong slot the warning of that came.
+    /// For each reach to a wrong slot with a warning: how early the warning came.
     pub warned_leads: Vec<WarnedLead>,
-    /// Pieces put into wrong totes, and those of them that were warned of.
+    /// Pieces put into wrong totes.
     pub wrong_totes: u64,
-    /// Those.
+    /// Pieces put into wrong totes with a warning.
     pub wrong_totes_warned: u64,
-    /// Lines that were confirmed though they were not so in the end.
+    /// Lines that were confirmed but turned out wrong in the end.
     pub wrong_confirmed: u64,
-    /// Those of them for which no button was pressed: the hand alone confirmed them.
+    /// Wrongly confirmed lines without a press of a button: the hand alone confirmed them.
     pub wrong_by_hand: u64,
-    /// Warnings of what was right, or of another place than the wrong one.
+    /// Warnings about a right place, or about another place than the wrong one.
     pub false_warnings: u64,
     /// Racks that left while pieces were still to be taken.
     pub dismissed_early: u64,
@@ -60,22 +60,21 @@ pub struct StationsRow {
     pub guard_stops: u64,
     /// How often buttons were pressed.
     pub presses: u64,
-    /// How often one was pressed to let a rack go of which nothing was left to pick.
+    /// How often a button was pressed to release a rack with nothing left to pick.
     pub released: u64,
-    /// How often an expected end was compared with the true one, and how often that was between its 10 % and 90 %
-    /// quantiles.
+    /// How often an expected end was compared with the true one.
     pub ends: u64,
-    /// That often.
+    /// How often the true end was between the expected 10 % and 90 % quantiles.
     pub ends_held: u64,
-    /// What the robot arms came to, where some were on.
+    /// Figures of the robot arms, if some were on.
     pub arms: ArmsRow,
-    /// Broken laws, and the first ones in words.
+    /// Number of broken laws.
     pub law_violations: u64,
-    /// The first ones.
+    /// The first broken laws, in words.
     pub broken: Vec<String>,
 }
 
-/// What came of the robot arms in one run.
+/// Figures of the robot arms in one run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ArmsRow {
     /// Lines that were done or short at stations with an arm.
@@ -86,31 +85,31 @@ pub struct ArmsRow {
     pub stops: u64,
     /// Overlaps of a moving arm and a person.
     pub contacts: u64,
-    /// How often a person came upon an arm that stood.
+    /// How often a person touched an arm that stood.
     pub touched: u64,
     /// How long people waited for an arm, seconds.
     pub person_waits_s: f64,
 }
 
-/// Lines and visits as facts tell of them.
+/// Lines and visits from the facts.
 #[derive(Default)]
 struct Ledgered {
-    /// Lines of jobs that were accepted, at the station where the rack is wanted next.
+    /// Lines of accepted jobs, with the station where the rack is wanted next.
     lines: BTreeMap<JobId, (StationId, Vec<Lines>)>,
     over: u64,
-    /// The same at stations with an arm on the map.
+    /// Lines that are over at stations with an arm on the map.
     over_at_arms: u64,
     visits: u64,
-    /// Lines that were done, with how many pieces, and when.
+    /// Lines that were done, with the number of pieces, and when.
     done: BTreeMap<(JobId, usize), (u32, Time)>,
-    /// Expectations of the visit that is on: when the 10 % and 90 % quantiles are.
+    /// Expected ends of the current visit: 10 % and 90 % quantiles.
     expected: BTreeMap<JobId, Vec<[Time; 2]>>,
     ends: [u64; 2],
     picking: BTreeSet<JobId>,
 }
 
 impl StationsSetup {
-    /// The scenario with so many robots and a flow.
+    /// The scenario with this number of robots and this flow.
     pub fn scenario(&self, robots: usize, flow: Flow) -> Scenario {
         let mut scenario = Scenario { robots, drain: Span::ZERO, ..self.scenario.clone() };
         scenario.site.flow = flow;
@@ -123,12 +122,12 @@ impl StationsSetup {
         self.warehouse.stations.iter().filter(has_arm).map(|s| s.name.clone()).collect()
     }
 
-    /// One run.
+    /// Runs the scenario once.
     pub fn run(&self, robots: usize, flow: Flow, seed: u64) -> StationsRow {
         self.measure(self.scenario(robots, flow), seed)
     }
 
-    /// One run with every arm of the map on.
+    /// Runs the scenario once with every arm of the map on.
     pub fn run_with_arms(&self, robots: usize, mode: ArmMode, seed: u64) -> StationsRow {
         let mut scenario = self.scenario(robots, Flow::Seen);
         let cells = scenario.cells.as_mut().expect("a scenario of picking stations has cells");
@@ -153,7 +152,7 @@ impl StationsSetup {
     }
 }
 
-/// How long robots with racks for stations stood in this step, all together.
+/// Total time in this step that robots with racks for stations stood.
 fn waiting(fleet: &Fleet, now: Time, period: Span) -> Span {
     let ledger = fleet.ledger();
     let stands = |r: &giveway_floor::id::RobotId| {
@@ -220,7 +219,7 @@ impl Ledgered {
         self.picking.remove(&job);
     }
 
-    /// Notes what is expected of visits that have just begun, or one of whose lines has just changed.
+    /// Records the expected ends of visits that have just begun, or of which a line has just changed.
     fn expect(&mut self, fleet: &Fleet, now: Time) {
         for job in std::mem::take(&mut self.picking) {
             let Some((station, _)) = self.lines.get(&job) else { continue };
@@ -244,7 +243,7 @@ impl Ledgered {
             arms: ArmsRow { lines: self.over_at_arms, ..ArmsRow::default() },
             visits: self.visits,
             robot_wait_s: waits.as_secs_f64() / self.visits.max(1) as f64,
-            // Whoever is told the true end is not judged by it.
+            // A flow that is told the true end is not judged by it.
             ends: if flow == Flow::Known { 0 } else { self.ends[0] },
             ends_held: self.ends[1],
             ..StationsRow::default()
@@ -306,7 +305,7 @@ mod tests {
     fn arms_at_two_stations_pick_without_a_broken_law_and_one_seed_gives_one_row() {
         let mut setup = setup();
         assert_eq!(setup.stations_with_arm(), ["S1", "S2"]);
-        // A short visit has nothing for an arm: the hand is done before it would be.
+        // A short visit has nothing for an arm: the hand would finish first.
         setup.scenario.cells.as_mut().expect("it has cells").lines.per_visit = [6, 12];
         let run = || setup.run_with_arms(14, ArmMode::Predictive, 3);
         let row = run();

@@ -2,26 +2,26 @@
 //!
 //! Main types: [`Summary`], [`Interval`]. Refuses: samples of different lengths as pairs.
 
-/// A sample in two numbers.
+/// Mean and standard deviation of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// Mean; nothing of an empty sample.
+    /// Mean; nothing for an empty sample.
     pub mean: Option<f64>,
-    /// Standard deviation of the sample (divisor n − 1); nothing of fewer than two.
+    /// Standard deviation of the sample (divisor n − 1); nothing for fewer than two.
     pub sd: Option<f64>,
 }
 
-/// A mean with its interval.
+/// A mean with its confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// The mean; nothing of an empty sample.
+    /// The mean; nothing for an empty sample.
     pub mean: Option<f64>,
-    /// In 95 of 100 such samples this interval holds the true mean (Student 1908); nothing of fewer than two.
+    /// Interval that contains the true mean for 95 of 100 such samples (Student 1908); nothing for fewer than two.
     pub ci95: Option<(f64, f64)>,
 }
 
 impl Summary {
-    /// Of these numbers.
+    /// The summary of these numbers.
     pub fn of(sample: &[f64]) -> Summary {
         let n = sample.len() as f64;
         let mean = sample.iter().sum::<f64>() / n;
@@ -34,7 +34,7 @@ impl Summary {
 }
 
 impl Interval {
-    /// Of these numbers.
+    /// The interval of these numbers.
     pub fn of(sample: &[f64]) -> Interval {
         let Summary { mean, sd } = Summary::of(sample);
         let ci95 = mean.zip(sd).map(|(mean, sd)| {
@@ -44,10 +44,10 @@ impl Interval {
         Interval { mean, ci95 }
     }
 
-    /// Of `ours − theirs`, pair by pair.
+    /// The interval of `ours − theirs`, pair by pair.
     ///
     /// # Panics
-    /// If there are not as many of both.
+    /// If the lengths differ.
     pub fn of_pairs(ours: &[f64], theirs: &[f64]) -> Interval {
         assert_eq!(ours.len(), theirs.len(), "every number has its pair");
         let differences: Vec<f64> = ours.iter().zip(theirs).map(|(a, b)| a - b).collect();
@@ -55,7 +55,7 @@ impl Interval {
     }
 }
 
-/// The 97.5 % quantile of Student's distribution with so many degrees of freedom.
+/// The 97.5 % quantile of Student's distribution with this many degrees of freedom.
 pub fn student975(freedom: usize) -> f64 {
     let (mut low, mut high) = (0.0, 1000.0);
     for _ in 0..200 {
@@ -70,7 +70,7 @@ pub fn student975(freedom: usize) -> f64 {
 fn tails(t: f64, freedom: usize) -> f64 {
     let angle = (t / (freedom as f64).sqrt()).atan();
     let cos2 = angle.cos().powi(2);
-    // Each term is the one before times (k / (k + 1)) cos².
+    // Each term is the previous one times (k / (k + 1)) cos².
     let series = |first: f64, from: usize| {
         let mut sum = 0.0;
         let mut term = first;

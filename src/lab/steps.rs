@@ -17,50 +17,50 @@ use giveway_people::human::{Quality, Sighting, SourceId};
 use giveway_sim::{Scenario, World};
 use std::sync::Arc;
 
-/// Requests handed in per step while the floor is filled.
+/// Requests per step while the floor is filled.
 pub(super) const PER_STEP: usize = 2_000;
-/// Workers who have assignments.
+/// Number of workers with assignments.
 const WORKERS: usize = 10;
-/// Nodes per closure.
+/// Number of nodes per closure.
 const CLOSED_NODES: usize = 4;
 
 /// What exists on the floor while steps are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepsCase {
-    /// Robots, and nothing to do.
+    /// Robots without anything to do.
     Idle,
     /// Announced areas, half of them over already, half of them hours ahead.
     Closures(usize),
-    /// Jobs that come after one that does not end.
+    /// Jobs that wait for one that does not end.
     WaitingAfter(usize),
-    /// Jobs for one rack, which one robot has already.
+    /// Jobs for one rack that a robot already has.
     WaitingRack(usize),
     /// Jobs that could start at once if a robot were free.
     Waiting(usize),
     /// Open assignments of ten workers, who are on the floor.
     Assignments(usize),
-    /// Jobs with order lines that could start at once, on a map with work cells. Nobody's hands are seen there, and a
-    /// button confirms each line.
+    /// Jobs with order lines that could start at once, on a map with work cells. No hands are seen there, and a button
+    /// confirms each line.
     Lines(usize),
-    /// The same, where everybody's hands are seen, and the map's robot arms work.
+    /// Jobs with order lines on a map with work cells where all hands are seen and the map's robot arms work.
     Staffed(usize),
 }
 
-/// What was measured.
+/// Results of the measurement.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
     /// Durations of steps, nanoseconds, ascending.
     pub step_ns: Vec<u64>,
-    /// What of them it took to note why robots and people wait, nanoseconds, ascending.
+    /// Share of each step spent on recording why robots and people wait, nanoseconds, ascending.
     pub waits_ns: Vec<u64>,
-    /// Jobs, closures and assignments that were open at the end.
+    /// Number of jobs, closures and assignments open at the end.
     pub open: usize,
 }
 
-/// How to measure.
+/// Parameters of the measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct StepSetup {
-    /// How many robots.
+    /// Number of robots.
     pub robots: usize,
     /// Steps before any is measured.
     pub settle: usize,
@@ -68,10 +68,10 @@ pub struct StepSetup {
     pub steps: usize,
 }
 
-/// Fills a floor with what the case asks for, lets it come to rest, and measures steps.
+/// Fills a floor as the case demands, lets it settle, and measures steps.
 ///
 /// # Panics
-/// If the scenario that it is made of is refused, which would be a mistake in here.
+/// If its own scenario text is refused, which would be a bug here.
 pub fn run(
     warehouse: &Arc<Warehouse>,
     case: StepsCase,
@@ -84,7 +84,7 @@ pub fn run(
         cells(warehouse, case)
     );
     let scenario = Scenario::parse(&text).expect("the text is a scenario");
-    // Hours after zero, so that areas can be over already.
+    // Hours after zero, so that closures can already be over.
     let mut now = Time::ZERO + Span::from_secs(4 * 3600);
     let mut fleet = Fleet::new(warehouse.clone(), Settings { stopwatch, ..scenario.site.settings() });
     let mut world = World::new(warehouse.clone(), &scenario, &[], 1, fleet.ledger(), now);
@@ -116,7 +116,7 @@ pub fn run(
     measured
 }
 
-/// What the scenario says of work cells.
+/// The scenario's text for work cells.
 fn cells(warehouse: &Warehouse, case: StepsCase) -> String {
     let has_arm = |s: &&Station| s.cell.as_ref().is_some_and(|cell| cell.arm.is_some());
     match case {
@@ -129,7 +129,7 @@ fn cells(warehouse: &Warehouse, case: StepsCase) -> String {
     }
 }
 
-/// Lines for a visit.
+/// Order lines for a visit.
 fn lines(i: usize) -> Vec<OrderLine> {
     let line = |k: usize| OrderLine {
         slot: SlotName::new((i + k) as u8 % 4, (i / 4 + 2 * k) as u8 % 5),
@@ -141,7 +141,7 @@ fn lines(i: usize) -> Vec<OrderLine> {
     vec![line(0), line(1), line(2)]
 }
 
-/// What is handed in before anything is measured.
+/// Requests sent before anything is measured.
 pub(super) fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec<Input> {
     let racks = warehouse.racks.len();
     let deliver = |i: usize, rack: usize| JobKind::Deliver {
@@ -163,7 +163,7 @@ pub(super) fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec
         }
         StepsCase::WaitingRack(n) => (0..n).map(|i| submit(i, deliver(0, racks / 2), &[])).collect(),
         StepsCase::WaitingAfter(n) => {
-            // A robot that is halted never gets there.
+            // A halted robot never gets there.
             let robot = RobotId(0);
             let node = warehouse.racks[RackId::at(racks / 2)].home;
             let halt = Input::ask(0, FloorAction::Halt(Some(robot)));
@@ -183,7 +183,7 @@ fn submit(token: usize, kind: JobKind, after: &[JobId]) -> Input {
     Input::ask(token as u64, JobAction::Submit(request))
 }
 
-/// An area of a few nodes. The nodes are named; the outline is only there to be shown.
+/// A closure of a few nodes. The nodes are named; the outline is only there for display.
 fn close(warehouse: &Warehouse, i: usize, now: Time) -> Input {
     let nodes = (0..CLOSED_NODES).map(|k| NodeId::at((i * 7 + k) % warehouse.nodes.len())).collect();
     let hour = Span::from_secs(3600);
@@ -211,7 +211,7 @@ fn assign(warehouse: &Warehouse, i: usize) -> Input {
     Input::ask(i as u64, WorkerAction::Assign { worker: Some(WorkerId::at(i % WORKERS)), request })
 }
 
-/// A worker who stands at an aisle.
+/// A sighting of a worker who stands at an aisle.
 fn sighting(warehouse: &Warehouse, worker: usize, seq: u64, now: Time) -> Input {
     let aisles = warehouse.nodes_where(|k| k == NodeKind::Aisle);
     let at = warehouse.nodes[aisles[(worker + 1) * aisles.len() / (WORKERS + 2)]].at;

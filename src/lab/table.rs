@@ -1,8 +1,8 @@
-//! Robots and people together, by four ways of giving way: Table 4.1 of Petković 2021 with our own arm beside it.
+//! Robots and people together, under four policies: Table 4.1 of Petković 2021 with our own arm beside it.
 //!
-//! Main types: [`TableSetup`], [`RunRow`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds
-//! does not depend on the arm. Refuses: threads and files; the caller runs [`TableSetup::run`] as often, and on as
-//! many cores, as it likes.
+//! Main types: [`TableSetup`], [`RunRow`], [`Column`]. Every arm meets the same seeds, and people's impulses do not
+//! depend on the arm. Refuses: threads and files; the caller runs [`TableSetup::run`] as often, and on as many cores,
+//! as it likes.
 
 use super::robot_time::RobotTime;
 use super::statistics::{Interval, Summary};
@@ -16,11 +16,11 @@ use giveway_sim::{
 use giveway_site::{Site, SiteLinks};
 use std::sync::Arc;
 
-/// When workers come in, seconds (Petković 2021, figure 4.8).
+/// When workers enter, seconds (Petković 2021, figure 4.8).
 pub const ENTER_S: f64 = 250.0;
-/// When they deviate, seconds (the same).
+/// When workers deviate, seconds (Petković 2021, figure 4.8).
 const DEVIATE_S: [f64; 6] = [300.0, 320.0, 420.0, 450.0, 500.0, 625.0];
-/// So often the robots' time is looked at.
+/// Interval between two looks at what robots do.
 const LOOK_EVERY: Span = Span::from_secs(1);
 
 /// One experiment, to be run with many seeds.
@@ -28,63 +28,63 @@ const LOOK_EVERY: Span = Span::from_secs(1);
 pub struct TableSetup {
     /// The hall.
     pub warehouse: Arc<Warehouse>,
-    /// Robots in it.
+    /// Number of robots.
     pub robots: usize,
-    /// People in it.
+    /// Number of people.
     pub workers: usize,
-    /// How long, seconds.
+    /// Duration of a run, seconds.
     pub seconds: f64,
-    /// How people are seen.
+    /// How devices see people.
     pub sensor: Sensor,
     /// Why people leave their paths besides the six departures of the published experiment.
     pub causes: Causes,
-    /// How the fleet finds out when people take a node.
+    /// How the fleet predicts when people occupy a node.
     pub node_windows: NodeWindows,
 }
 
-/// What one run came to.
+/// Figures of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunRow {
     /// Racks served at stations.
     pub robot_deliveries: f64,
-    /// What robots spent their time on after the workers came in.
+    /// How robots spent their time after the workers entered.
     pub robot_time: RobotTime,
-    /// Those of them that were served after the workers came in.
+    /// Racks that were served after the workers entered.
     pub deliveries_beside_workers: f64,
     /// Assignments that workers truly completed.
     pub human_deliveries: f64,
-    /// Meetings of moving robots with workers, per minute of workers on the floor.
+    /// Encounters of moving robots with workers, per minute of workers on the floor.
     pub encounters_per_worker_minute: f64,
     /// Robots that had to stop or to go elsewhere because of a worker, per true deviation.
     pub interruptions_per_deviation: f64,
     /// Routes planned anew because of workers.
     pub replans: f64,
-    /// Share of the workers' time in which one was kept in one spot, of those times that lasted a minute.
+    /// Share of the workers' time spent kept in one spot, counting only standstills of a minute or more.
     pub standstill_share: f64,
-    /// Meetings with robots, as a curve.
+    /// Encounters with robots as a curve.
     pub met: EncounterFigures,
-    /// For how many minutes workers were kept in one spot, of those times that lasted a minute.
+    /// Number of minutes that workers were kept in one spot, counting only standstills of a minute or more.
     pub standstills: u64,
-    /// How calm guidance was, and for how many minutes workers were on the floor.
+    /// How calm guidance was, and the number of minutes that workers were on the floor.
     pub calm: (CalmFigures, f64),
-    /// How well deviations were noticed.
+    /// Scores of detected deviations and goals.
     pub score: Score,
     /// Broken laws, in words.
     pub broken: Vec<String>,
-    /// How many there were.
+    /// Number of broken laws.
     pub law_violations: u64,
 }
 
-/// What is read off a run.
+/// A figure of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
     /// Racks served.
     RobotDeliveries,
     /// Assignments completed.
     HumanDeliveries,
-    /// Both.
+    /// Racks served and assignments completed.
     TotalDeliveries,
-    /// Meetings per minute of workers on the floor.
+    /// Encounters per minute of workers on the floor.
     EncountersPerWorkerMinute,
     /// Interrupted robots per deviation.
     InterruptionsPerDeviation,
@@ -95,7 +95,7 @@ pub enum Column {
 }
 
 impl Column {
-    /// All of them, in the order of the table.
+    /// All columns, in the order of the table.
     pub const ALL: [Column; 7] = [
         Column::RobotDeliveries,
         Column::HumanDeliveries,
@@ -106,7 +106,7 @@ impl Column {
         Column::StandstillShare,
     ];
 
-    /// The word for it in reports.
+    /// The column's word in reports.
     pub fn word(self) -> &'static str {
         match self {
             Column::RobotDeliveries => "robot_deliveries",
@@ -119,7 +119,7 @@ impl Column {
         }
     }
 
-    /// This column of a run.
+    /// The column's value for a run.
     pub fn of(self, row: &RunRow) -> f64 {
         match self {
             Column::RobotDeliveries => row.robot_deliveries,
@@ -132,7 +132,7 @@ impl Column {
         }
     }
 
-    /// This column of many runs.
+    /// The column's summary over many runs.
     pub fn summary(self, rows: &[RunRow]) -> Summary {
         Summary::of(&rows.iter().map(|r| self.of(r)).collect::<Vec<_>>())
     }
@@ -172,7 +172,7 @@ impl TableSetup {
         }
     }
 
-    /// One run.
+    /// Runs the experiment once.
     pub fn run(&self, arm: HumanAwarePolicy, seed: u64) -> RunRow {
         let scenario = self.scenario(arm, seed);
         let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
@@ -193,7 +193,7 @@ impl TableSetup {
 }
 
 impl RunRow {
-    /// Of a run in which so many racks had been served when the workers came in, and robots spent their time so.
+    /// The row of a run in which `before` racks had been served when the workers entered.
     fn of(outcome: &Outcome, before: u64, robot_time: RobotTime) -> RunRow {
         let Outcome { counts, people, .. } = outcome;
         let minutes = people.figures.worker_time.as_secs_f64() / 60.0;

@@ -1,8 +1,8 @@
-//! Bolts on a bench again: an arm and a person at twelve targets, by turns, reacting, and predicting (Lyu et al. 2022,
-//! section IV).
+//! The experiment "bolts on a bench" again: an arm and a person at twelve targets, by turns, reacting, and predicting
+//! (Lyu et al. 2022, section IV).
 //!
-//! Main types: [`BoltsBench`], [`BoltsArm`], [`BoltsRun`]. Refuses: forecasts from people who are measured on, and a
-//! planner that sees the protective stop.
+//! Main types: [`BoltsBench`], [`BoltsArm`], [`BoltsRun`]. Refuses: forecasts learned from the people who are measured,
+//! and a planner that sees the protective stop.
 
 use super::forecast::{Analogues, SENSOR_M, STEP_S, Watched};
 use super::library::MixtureLibrary;
@@ -19,19 +19,19 @@ use std::collections::VecDeque;
 /// How the arm works beside the person.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoltsArm {
-    /// Only while the person does not.
+    /// The arm works only while the person does not.
     Turns,
-    /// Round where the person's arm is.
+    /// The arm avoids the person's present arm.
     Reactive,
-    /// Round where it will be.
+    /// The arm avoids the forecast of the person's arm.
     Predictive,
 }
 
 impl BoltsArm {
-    /// All of them.
+    /// All modes.
     pub const ALL: [BoltsArm; 3] = [BoltsArm::Turns, BoltsArm::Reactive, BoltsArm::Predictive];
 
-    /// The word for it.
+    /// The mode's word in reports.
     pub fn word(self) -> &'static str {
         match self {
             BoltsArm::Turns => "turns",
@@ -41,32 +41,33 @@ impl BoltsArm {
     }
 }
 
-/// What one person's bench came to.
+/// Figures of one person at the bench.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BoltsRun {
-    /// Least distance of palm and tool's tip while the arm goes from target 7 to 6 and the person to 3, centimetres.
+    /// Least distance between palm and tool's tip while the arm goes from target 7 to 6 and the person to 3,
+    /// centimetres.
     pub min_distance_cm: f64,
-    /// Least distance of the surfaces of both arms then.
+    /// Least distance between the surfaces of both arms in that move, centimetres.
     pub min_capsule_cm: f64,
-    /// Length of the tip's way.
+    /// Length of the tip's path in that move, centimetres.
     pub length_cm: f64,
-    /// How long it took, seconds.
+    /// Duration of that move, seconds.
     pub time_s: f64,
-    /// Targets that the arm touched in an hour while the person filled all twelve.
+    /// Targets that the arm touched per hour while the person filled all twelve.
     pub products_per_hour: f64,
-    /// Overlaps of a moving arm and the person, in both parts.
+    /// Overlaps of a moving arm with the person, in both parts.
     pub contacts: usize,
-    /// Times the person came upon an arm that stood.
+    /// How often the person touched an arm that stood.
     pub touched: usize,
     /// How long the person waited for the arm, seconds.
     pub person_waits_s: f64,
-    /// Protective stops.
+    /// Number of protective stops.
     pub stops: usize,
     /// Cycles in which the solver found no trajectory.
     pub unsolved: usize,
 }
 
-/// Targets, by their places, counted from 0: 1 to 6 in the far row, 7 to 12 in the near one, from the person's left.
+/// Position of target `k`, from 0: 0 to 5 in the far row, 6 to 11 in the near one, from the person's left.
 pub fn target(k: usize) -> Point3<f64> {
     let (row, column) = (k / 6, (k % 6) as f64);
     Point3::new(-0.25 + 0.1 * column, if row == 0 { 0.1 } else { -0.1 }, 0.05)
@@ -76,24 +77,24 @@ const REST: [f64; 3] = [0.05, -0.38, 0.05];
 const SHOULDER: [f64; 3] = [0.17, -0.42, 0.36];
 /// Tick of the simulation, seconds.
 const TICK_S: f64 = 0.01;
-/// What is seen is so old.
+/// Age of observations, seconds.
 const SEEN_AGO_S: f64 = 0.05;
-/// Limbs are planned with capsules of the published 10 cm: so much thicker than they are.
+/// Margin of the limbs' capsules for planning, as if they had the published 10 cm.
 const LIMB_MARGIN_M: f64 = 0.055;
-/// Where the arm waits for its turn.
+/// Where the arm waits for its turn, metres.
 const PARK: [f64; 3] = [0.0, 0.2, 0.2];
-/// Near enough to a target.
+/// Distance at which a target counts as reached, metres.
 const THERE_M: f64 = 0.015;
-/// No run is longer, seconds.
+/// Longest duration of a run, seconds.
 const LONGEST_S: f64 = 200.0;
 /// How long the person works at a target when all twelve are filled, seconds.
 const WORKS_S: f64 = 2.0;
-/// Cycles that are timed of one movement.
+/// Number of cycles that are timed per movement.
 const TIMED_CYCLES: usize = 30;
-/// The published time at target 3.
+/// The published time at target 3, seconds.
 const STAYS_S: f64 = 5.0;
 
-/// The bench, and what was learned beside it from people who do not come again.
+/// The bench, and the models learned there from other people.
 pub struct BoltsBench {
     seed: u64,
     control: ArmControl,
@@ -102,7 +103,7 @@ pub struct BoltsBench {
     table: TargetTable,
 }
 
-/// How many people teach, and how often each of them reaches for each target.
+/// Number of people to learn from, and how often each reaches for each target.
 const TEACHERS: u64 = 8;
 const REPEATS: usize = 4;
 
@@ -120,7 +121,7 @@ impl BoltsBench {
             plane(-Vector3::y(), 0.3),
         ];
         let mut kind = ArmKind::collaborative().clone();
-        // The tool moves with at most 0.25 m/s, the reduced speed of arms beside people.
+        // The tool moves at most at 0.25 m/s, the reduced speed of arms beside people.
         kind.speed_radps = [0.25, 0.25, 0.25, 0.5, 0.5, 0.5];
         let control = ArmControl::new(kind, base, planes);
         let (mut watched, mut left_out) = (Vec::new(), Vec::new());
@@ -142,7 +143,7 @@ impl BoltsBench {
         BoltsBench { seed, control, learned, library, table: TargetTable::published() }
     }
 
-    /// One person at the bench.
+    /// Runs one person at the bench.
     pub fn run(&self, n: u64, how: BoltsArm) -> BoltsRun {
         let mut run = BoltsRun::default();
         self.one_move(n, how, &mut run);
@@ -150,8 +151,7 @@ impl BoltsBench {
         run
     }
 
-    /// How long each cycle of the control takes while people reach for all targets, by the caller's clock and in its
-    /// unit.
+    /// Durations of control cycles while people reach for all targets, by the caller's clock and in its unit.
     pub fn control_times(&self, clock: &mut dyn FnMut() -> f64) -> Vec<f64> {
         let mut times = Vec::new();
         for k in 0..12 {
@@ -175,7 +175,7 @@ impl BoltsBench {
         times
     }
 
-    /// The arm goes from 7 to 6 while the person puts a bolt to 3, stays, and leaves.
+    /// The arm goes from target 7 to 6 while the person puts a bolt to 3, stays, and leaves.
     fn one_move(&self, n: u64, how: BoltsArm, run: &mut BoltsRun) {
         let mut chance = Stream::new(self.seed, 82, n);
         let person = BenchPerson::random(&mut chance, SHOULDER.into());
@@ -204,7 +204,7 @@ impl BoltsBench {
         run.time_s = t - BEGINS_S;
     }
 
-    /// The arm touches one target after the other while the person fills all twelve in any order.
+    /// The arm touches one target after the other while the person fills all twelve in random order.
     fn all_targets(&self, n: u64, how: BoltsArm, run: &mut BoltsRun) {
         let mut chance = Stream::new(self.seed, 83, n);
         let person = BenchPerson::random(&mut chance, SHOULDER.into());
@@ -230,8 +230,8 @@ impl BoltsBench {
         run.products_per_hour = touched as f64 / t * 3600.0;
     }
 
-    /// The share of movements of new people whose target is known after these shares of their time: from the observed
-    /// places alone, and from the forecast ones as well.
+    /// The share of movements of new people whose target is recognised after these shares of their time: from the
+    /// observed palms alone, and from the forecast ones as well.
     pub fn accuracy(&self, shares: &[f64], people: u64) -> Vec<(f64, f64)> {
         let mut right = vec![(0usize, 0usize); shares.len()];
         let mut count = 0;
@@ -253,13 +253,13 @@ impl BoltsBench {
         right.iter().map(|(a, b)| (*a as f64 / count as f64, *b as f64 / count as f64)).collect()
     }
 
-    /// Observed palms and half a second of forecast ones.
+    /// The observed palms, followed by half a second of forecast ones.
     fn ahead(&self, palms: &[Point3<f64>], seen: &[ArmJoints]) -> Vec<Point3<f64>> {
         let forecast = self.learned.forecast(seen);
         palms.iter().copied().chain(forecast.iter().take(10).map(|limbs| limbs.points[3].mean)).collect()
     }
 
-    /// Table II as it follows from geometry: a usual person's arm at their target, and the arm's way down to its own.
+    /// Table II as derived from geometry: a usual person's arm at their target, and the arm's way down to its own.
     pub fn derived_table(&self, delta: f64) -> TargetTable {
         let person = BenchPerson {
             shoulder: SHOULDER.into(),
@@ -301,25 +301,25 @@ impl BoltsBench {
     }
 }
 
-/// When a person begins, seconds.
+/// When the person begins, seconds.
 const BEGINS_S: f64 = 0.3;
-/// People give way to an arm at the last moment only: they look so far ahead, seconds.
+/// How far ahead people look for an arm, seconds: they give way only at the last moment.
 const LOOKS_AHEAD_S: f64 = 0.12;
-/// They keep so far from it, metres.
+/// Distance that people keep from the arm, metres.
 const GIVES_WAY_M: f64 = 0.005;
-/// A hand stops within so many seconds.
+/// Time in which a hand stops, seconds.
 const BRAKES_S: f64 = 0.1;
-/// Rest between two movements.
+/// Rest between two movements, seconds.
 const RESTS_S: f64 = 3.0;
 
 /// A person who puts bolts to targets, one after the other.
 struct Working {
     person: BenchPerson,
-    /// When it begins, there, how long at the target, and back.
+    /// For each visit: when it begins, the way there, seconds at the target, and the way back.
     visits: Vec<(f64, Reaching, f64, Reaching)>,
-    /// How far the person is, seconds of their own.
+    /// The person's own time, seconds.
     now_s: f64,
-    /// Share of the usual speed: people wait where an arm is in their way.
+    /// Share of the usual speed: people wait if an arm is in their way.
     pace: f64,
 }
 
@@ -340,7 +340,7 @@ impl Working {
         self.visits.last().map_or(0.0, |(t, there, stays, back)| t + there.lasts_s + stays + back.lasts_s)
     }
 
-    /// Goes on, unless an arm is where the hand would soon be.
+    /// Advances the person, unless an arm is where the hand would soon be.
     fn advance(&mut self, links: &[Capsule]) {
         let soon = certain(&self.joints(self.now_s + LOOKS_AHEAD_S), 0.0).capsules(0.0);
         let now = certain(&self.joints(self.now_s), 0.0).capsules(0.0);
@@ -366,14 +366,14 @@ impl Working {
     }
 }
 
-/// Movements of a person to a target as they are measured: all of it from rest to rest, and the reach alone.
+/// Recorded movements of a person to a target: each from rest to rest, and the reach alone.
 pub(super) fn recorded(seed: u64, who: u64, target: usize, times: usize) -> Vec<(Watched, Watched)> {
     let mut chance = Stream::new(seed, 81, who * 100 + target as u64);
     let person = BenchPerson::random(&mut Stream::new(seed, 80, who), SHOULDER.into());
     let mut record = || {
         let stays_s = chance.between(1.5, 6.0);
         let work = Working::new(&mut chance, person.clone(), &[target], stays_s);
-        // Much of the time hands rest; a forecast must know that as well.
+        // Hands rest much of the time; a forecast must know that as well.
         let ends = work.lasts_s() + 2.5;
         let reach_s = work.visits[0].1.lasts_s;
         let full: Watched = (0..(ends / STEP_S) as usize)
@@ -399,11 +399,11 @@ struct BenchCell<'a> {
     plan: ArmPlan,
     chance: Stream,
     ticks: usize,
-    /// The person's true joints of late.
+    /// The person's recent true joints.
     past: VecDeque<ArmJoints>,
-    /// What was seen, [`STEP_S`] apart.
+    /// Observed joints, [`STEP_S`] apart.
     seen: Watched,
-    /// Palms since the hand left its rest.
+    /// Palms since the hand left its resting place.
     palms: Vec<Point3<f64>>,
 }
 
@@ -431,7 +431,7 @@ impl<'a> BenchCell<'a> {
         }
     }
 
-    /// Watches, and moves the arm on.
+    /// Observes the person, and advances the arm; gives the distance between both, metres.
     fn tick(&mut self, run: &mut BoltsRun) -> f64 {
         self.ticks += 1;
         self.work.advance(&self.arm.links());
@@ -462,7 +462,7 @@ impl<'a> BenchCell<'a> {
         self.seen.last().is_none_or(|joints| (joints[3] - Point3::from(REST)).norm() < 0.06)
     }
 
-    /// The arm's next target: not one that the table closes for the person's most probable one.
+    /// The arm's next target: one that the table does not close for the person's most probable target.
     fn open_target(&self, aim: usize) -> Option<usize> {
         if self.at_rest() || self.palms.is_empty() {
             return Some(aim);
@@ -476,7 +476,7 @@ impl<'a> BenchCell<'a> {
         self.bench.table.next(&certain, aim, 0.5)
     }
 
-    /// One cycle of the planner.
+    /// Runs one cycle of the planner.
     fn cycle(&mut self, t: f64, goal: Option<Point3<f64>>, run: &mut BoltsRun) {
         if t < BEGINS_S - 1e-9 {
             return;
@@ -509,7 +509,7 @@ impl<'a> BenchCell<'a> {
             }
             BoltsArm::Predictive => {
                 let forecast = self.bench.learned.forecast(&self.seen);
-                // What was seen is SEEN_AGO_S old: the step of 0.1 s is the third of the forecast.
+                // Observations are SEEN_AGO_S old: the step of 0.1 s is the third of the forecast.
                 let at = |k: usize| forecast.get((2 * k + 2).min(forecast.len() - 1));
                 let limbs = |k: usize| at(k).map(|limbs| limbs.capsules(LIMB_MARGIN_M));
                 (0..HORIZON).filter_map(limbs).collect()

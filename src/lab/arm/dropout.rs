@@ -1,8 +1,8 @@
 //! How much a spread by dropout says about the error of a forecast (Liu et al. 2024, equations 1 to 4, table II).
 //!
-//! Main types: [`DropoutNet`], [`DropoutFigures`]. Equation 4 is corrected: per dimension, u = (Σ F² − K E²) / (K −
-//! 1). A small dense net stands for the published three layers of LSTM; it sees half a second of bone vectors and
-//! forecasts one. Refuses: to score people whom it was taught with, or whose errors its scale was fitted to.
+//! Main types: [`DropoutNet`], [`DropoutFigures`]. Equation 4 is corrected: per dimension, u = (Σ F² − K E²) / (K − 1).
+//! A small dense net stands for the published three layers of LSTM; it sees half a second of bone vectors and forecasts
+//! one second. Refuses: to score people that it learned from, or to whose errors its scale was fitted.
 
 use super::bolts::recorded;
 use super::forecast::Watched;
@@ -11,55 +11,55 @@ use super::teaching::{AdamMoments, drawn};
 use giveway_sim::random::Stream;
 use nalgebra::{DMatrix, Vector3};
 
-/// Instants that are seen, 0.05 s apart.
+/// Number of observed instants, 0.05 s apart.
 const SEEN: usize = 10;
-/// Instants that are forecast, 0.1 s apart.
+/// Number of forecast instants, 0.1 s apart.
 const AHEAD: usize = 10;
-/// Numbers of an instant: two bone vectors.
+/// Number of inputs per instant: two bone vectors.
 const BONE_NUMBERS: usize = 6;
 /// Width of both hidden layers.
 const WIDTH: usize = 64;
-/// Share of hidden numbers that are left out.
+/// Share of hidden units that are dropped.
 const DROPPED: f64 = 0.1;
-/// Samples of one step of learning, and rounds over all of them.
+/// Samples per step of learning, and rounds over all samples.
 const BATCH: usize = 32;
 const ROUNDS: usize = 15;
 
-/// One instant: what was seen, and what came.
+/// One training example: what was seen, and what followed.
 struct BoneLesson {
     seen: Vec<f64>,
-    /// How the bone vectors change.
+    /// Changes of the bone vectors afterwards.
     came: Vec<f64>,
-    /// Lengths of upper arm and forearm.
+    /// Lengths of upper arm and forearm, metres.
     lengths_m: [f64; 2],
     /// Bone vectors now.
     now: [f64; BONE_NUMBERS],
 }
 
-/// Two hidden layers with dropout.
+/// A net with two hidden layers and dropout.
 pub struct DropoutNet {
     /// Weights and biases, layer by layer.
     weights: Vec<DMatrix<f64>>,
 }
 
-/// What so many samples came to, of the wrist.
+/// Figures of the wrist's forecast for one number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropoutFigures {
-    /// Mean deviation of the samples, millimetres.
+    /// Mean standard deviation of the samples, millimetres.
     pub sd_mm: f64,
-    /// Mean error of their mean, millimetres.
+    /// Mean error of the samples' mean, millimetres.
     pub error_mm: f64,
-    /// Correlation of error and deviation.
+    /// Correlation between error and standard deviation.
     pub correlation: f64,
-    /// Share of coordinates within 1.96 deviations.
+    /// Share of coordinates within 1.96 standard deviations.
     pub cov95: f64,
-    /// The same with deviations scaled on other people.
+    /// Share of coordinates within 1.96 scaled standard deviations.
     pub cov95_scaled: f64,
-    /// That scale.
+    /// The scale of standard deviations, fitted on other people.
     pub scale: f64,
 }
 
-/// Figures for these numbers of samples.
+/// Figures for each of these numbers of samples.
 pub fn figures(seed: u64, counts: &[usize]) -> Vec<DropoutFigures> {
     let taught = lessons(seed, 0..8, 2);
     let net = DropoutNet::teach(seed, &taught);
@@ -84,7 +84,7 @@ pub fn figures(seed: u64, counts: &[usize]) -> Vec<DropoutFigures> {
     counts.iter().map(of).collect()
 }
 
-/// Slope below zero: without it some inputs pass no unit at all, and no dropout makes a difference.
+/// Slope below zero: without it some inputs activate no unit at all, and dropout makes no difference.
 const LEAK: f64 = 0.1;
 
 fn rectified(x: f64) -> f64 {
@@ -160,7 +160,7 @@ impl DropoutNet {
         net
     }
 
-    /// What a layer gives, some of it left out.
+    /// The output of a layer, with some units dropped.
     fn layer(&self, k: usize, input: &DMatrix<f64>) -> DMatrix<f64> {
         let mut z = input * &self.weights[2 * k];
         for mut row in z.row_iter_mut() {
@@ -203,7 +203,7 @@ impl DropoutNet {
         ]
     }
 
-    /// Samples of one forecast as one batch: the input in so many rows, each with its own mask.
+    /// Samples of one forecast as one batch: the input in `count` rows, each with its own mask.
     fn sampled(&self, lesson: &BoneLesson, count: usize, chance: &mut Stream) -> DMatrix<f64> {
         let input = DMatrix::from_fn(count, lesson.seen.len(), |_, c| lesson.seen[c]);
         let h1 = self.layer(0, &input).map(rectified).component_mul(&DropoutNet::mask(count, chance));
@@ -211,8 +211,8 @@ impl DropoutNet {
         self.layer(2, &h2)
     }
 
-    /// Of all coordinates of the wrist, errors in units of their deviation; and of all wrists, error and deviation,
-    /// metres.
+    /// For all coordinates of the wrist, errors in units of their standard deviation; and for all wrists, error and
+    /// standard deviation, metres.
     fn scored(&self, seed: u64, lessons: &[BoneLesson], count: usize) -> (Vec<f64>, Vec<(f64, f64)>) {
         let mut chance = Stream::new(seed, 97, count as u64);
         let (mut ratios, mut pairs) = (Vec::new(), Vec::new());

@@ -1,8 +1,8 @@
-//! Where a person's arm will be within a second, from earlier movements that began alike.
+//! Where a person's arm will be within a second, from earlier movements with a similar beginning.
 //!
-//! Main types: [`Analogues`], [`Watched`]. A present arm is compared with all recorded instants; the ways that
-//! followed the most similar ones are the forecast, their spread its covariance, scaled per horizon on people left
-//! out. Refuses: goals; it knows only what was seen.
+//! Main types: [`Analogues`], [`Watched`]. The present arm is compared with all recorded instants; the paths that
+//! followed the most similar ones are the forecast, their spread its covariance, scaled per horizon on people left out.
+//! Refuses: goals; it knows only what was seen.
 
 use super::person::{ArmJoints, BONES};
 use giveway_cell::arm::{UncertainLimbs, UncertainPoint};
@@ -10,23 +10,23 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Interval of observations and forecasts, seconds.
 pub const STEP_S: f64 = 0.05;
-/// So many steps are forecast: a second.
+/// Number of forecast steps: one second.
 pub const AHEAD: usize = 20;
-/// Observations that are compared: 0.2 s.
+/// Number of compared observations: 0.2 s.
 const BEHIND: usize = 4;
-/// A hand slower than this rests.
+/// A hand slower than this rests, metres per second.
 const RESTS_MPS: f64 = 0.15;
-/// Of hands that rest so much of the ways is left out at either end.
+/// Share of the paths that is trimmed at either end if the hand rests.
 const TRIM: f64 = 0.1;
-/// Ways that make a forecast.
+/// Number of paths that make a forecast.
 const WAYS: usize = 16;
-/// Deviation of a measured joint, metres.
+/// Standard deviation of a measured joint, metres.
 pub const SENSOR_M: f64 = 0.006;
 
-/// What was seen of one arm, [`STEP_S`] apart.
+/// Observations of one arm, [`STEP_S`] apart.
 pub type Watched = Vec<ArmJoints>;
 
-/// Recorded movements by which others are forecast.
+/// Recorded movements, from which others are forecast.
 #[derive(Clone, Debug)]
 pub struct Analogues {
     recorded: Vec<Watched>,
@@ -34,8 +34,7 @@ pub struct Analogues {
 }
 
 impl Analogues {
-    /// Learned from recordings; those of `left_out` say how much wider the forecasts must be so that they hold 95 of
-    /// 100.
+    /// Learns from recordings; those of `left_out` tell how much wider the forecasts must be to contain 95 of 100.
     pub fn learn(recorded: Vec<Watched>, left_out: &[Watched]) -> Analogues {
         let mut learned = Analogues { recorded, scale: [1.0; AHEAD] };
         let mut squares: Vec<Vec<f64>> = vec![Vec::new(); AHEAD];
@@ -60,12 +59,12 @@ impl Analogues {
         learned
     }
 
-    /// Where the limbs will be [`STEP_S`] from now, two of that, and so on; where nothing is like it, where they are.
+    /// Forecast of the limbs, [`STEP_S`] from now and so on; where they are now if nothing recorded is similar.
     pub fn forecast(&self, seen: &[ArmJoints]) -> Vec<UncertainLimbs> {
         let Some(now) = seen.last() else { return Vec::new() };
         let ways = self.alike(seen);
         let total: f64 = ways.iter().map(|w| w.0).sum();
-        // Of hands that rest few set off within a second; of hands that move all go somewhere.
+        // Few resting hands set off within a second; all moving hands go somewhere.
         let before = seen.len().checked_sub(BEHIND).map_or(now, |k| &seen[k]);
         let speed_mps = (now[3] - before[3]).norm() / ((BEHIND - 1) as f64 * STEP_S);
         let trim = if speed_mps > RESTS_MPS { 0.0 } else { TRIM };
@@ -90,7 +89,7 @@ impl Analogues {
         (0..AHEAD).map(step).collect()
     }
 
-    /// The most similar instants with their weights: recording and index.
+    /// The most similar instants: weight, recording and index.
     fn alike(&self, seen: &[ArmJoints]) -> Vec<(f64, usize, usize)> {
         if seen.len() < BEHIND {
             return Vec::new();
@@ -121,7 +120,7 @@ impl Analogues {
     }
 }
 
-/// The weighted mean without this share of the weight at either end; 0 of none.
+/// The weighted mean without this share of the weight at either end; 0 if there is none.
 fn middle(of: impl Iterator<Item = (f64, f64)>, trim: f64) -> f64 {
     let mut all: Vec<(f64, f64)> = of.collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,7 +1,7 @@
-//! Target of a movement from the palm's places: one mixture per target (Lyu et al. 2022, equations 2 to 5).
+//! Target of a movement from the palm's positions: one mixture per target (Lyu et al. 2022, equations 2 to 5).
 //!
-//! Main types: [`MixtureLibrary`]. Equation 3 has |Σ|^½ as it must; the sum of equation 5 is divided by the number of
-//! places where probabilities are asked for, since neighbouring places say the same. Refuses: priors that differ.
+//! Main types: [`MixtureLibrary`]. Equation 3 has |Σ|^½ as it must; for probabilities the sum of equation 5 is tempered
+//! by a constant, since neighbouring positions are not independent. Refuses: priors that differ.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -11,13 +11,13 @@ struct Component {
     weight: f64,
     mean: Vector3<f64>,
     inverse: Matrix3<f64>,
-    /// Logarithm of what its exponential is multiplied by, with the weight.
+    /// Logarithm of the exponential's factor, including the weight.
     scale: f64,
 }
 
 impl Component {
     fn new(weight: f64, mean: Vector3<f64>, cov: Matrix3<f64>) -> Component {
-        // No place is known better than to 8 mm.
+        // No position is known better than to 8 mm.
         let cov = cov + Matrix3::identity() * 6.4e-5;
         let inverse = cov.try_inverse().unwrap_or_else(Matrix3::identity);
         let norm = 0.5 * (std::f64::consts::TAU.powi(3) * cov.determinant()).ln();
@@ -42,12 +42,12 @@ pub const COMPONENTS: usize = 18;
 const ROUNDS: usize = 25;
 
 impl MixtureLibrary {
-    /// Learned from palms of movements, per target.
+    /// Learns from the palms of movements, per target.
     pub fn learn(movements: &[Vec<Vec<Point3<f64>>>]) -> MixtureLibrary {
         MixtureLibrary { targets: movements.iter().map(|of| mixture(of)).collect() }
     }
 
-    /// Logarithm of how probable these places are on the way to each target (equation 5).
+    /// Log-likelihood of these palms on the way to each target (equation 5).
     pub fn log_likelihoods(&self, palms: &[Point3<f64>]) -> Vec<f64> {
         let of = |components: &Vec<Component>| {
             palms.iter().map(|p| log_sum(components.iter().map(|c| c.log_density(&p.coords)))).sum()
@@ -61,9 +61,9 @@ impl MixtureLibrary {
         (0..logs.len()).max_by(|a, b| logs[*a].total_cmp(&logs[*b])).unwrap_or(0)
     }
 
-    /// The probabilities of all targets, tempered by the number of places.
+    /// The probabilities of all targets, tempered.
     pub fn probabilities(&self, palms: &[Point3<f64>]) -> Vec<f64> {
-        // Places 0.05 s apart say the same four times.
+        // Positions 0.05 s apart give the same evidence four times.
         let temper = 0.25;
         let logs: Vec<f64> = self.log_likelihoods(palms).iter().map(|l| l * temper).collect();
         let sum = log_sum(logs.iter().copied());
@@ -79,7 +79,7 @@ fn log_sum(logs: impl Iterator<Item = f64> + Clone) -> f64 {
     most + libm::log(logs.map(|l| libm::exp(l - most)).sum())
 }
 
-/// A mixture of all places of these movements; it begins with equal parts of their time.
+/// The mixture of all positions of these movements, starting from equal parts of their time.
 fn mixture(movements: &[Vec<Point3<f64>>]) -> Vec<Component> {
     let timed = movements
         .iter()

@@ -1,8 +1,8 @@
-//! The robot arm beside the picker in figures: seeds of the overlap of limbs and links, of bolts on a bench, and of
+//! The robot arm beside the picker in figures: seeds on the overlap of limbs and links, on bolts on a bench, and on
 //! planners, again.
 //!
-//! Main modules: [`overlap`], [`bolts`], [`planners`], [`dropout`], [`moving`], [`person`] (ground truth),
-//! [`forecast`] (what predicts it). Refuses: to read clocks; the caller passes one in where times are asked for.
+//! Main modules: [`overlap`], [`bolts`], [`planners`], [`dropout`], [`moving`], [`person`] (ground truth), [`forecast`]
+//! (predictions of it). Refuses: to read clocks; the caller passes one in if times are asked for.
 
 pub mod bolts;
 pub mod dropout;

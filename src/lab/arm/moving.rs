@@ -1,7 +1,7 @@
-//! How smoothly an arm moves beside a person: planned without the person's arm, with the present one, and with the
-//! forecast ones (Liu et al. 2024, table III).
+//! How smoothly an arm moves beside a person: planned without the person's arm, with the present one, and with forecast
+//! ones (Liu et al. 2024, table III).
 //!
-//! Main types: [`Sight`], [`Smoothness`]. Refuses: a way that was not checked; where there is none the arm waits.
+//! Main types: [`Sight`], [`Smoothness`]. Refuses: a path that was not checked; if there is none the arm waits.
 
 use super::forecast::{Analogues, STEP_S, Watched};
 use super::person::{ArmJoints, BenchPerson, Reaching, certain};
@@ -17,17 +17,17 @@ use nalgebra::{Point3, Vector3};
 pub enum Sight {
     /// Nothing.
     NoArm,
-    /// Where it is.
+    /// The present position.
     Present,
-    /// Where it is, and where it will be, thickened by two deviations.
+    /// The present position and the forecast ones, widened by two standard deviations.
     Forecast,
 }
 
 impl Sight {
-    /// All of them.
+    /// All cases.
     pub const ALL: [Sight; 3] = [Sight::NoArm, Sight::Present, Sight::Forecast];
 
-    /// The word for it.
+    /// The case's word in reports.
     pub fn word(self) -> &'static str {
         match self {
             Sight::NoArm => "no_arm",
@@ -48,17 +48,17 @@ pub struct Smoothness {
     pub met: f64,
     /// Mean time to the goal, seconds.
     pub time_s: f64,
-    /// New ways per motion.
+    /// Number of replans per motion.
     pub replans: f64,
 }
 
-/// Interval of the arm's steps, and of the planner, seconds.
+/// Interval of the arm's steps, seconds, and of the planner, steps.
 const TICK_S: f64 = 0.02;
 const PLANS_TICKS: usize = 5;
-/// Speed along the way, and how fast it changes.
+/// Speed along the path, and its acceleration.
 const SPEED_RADPS: f64 = 0.8;
 const SPEEDS_UP_RADPS2: f64 = 2.0;
-/// No motion is longer.
+/// Longest duration of a motion, seconds.
 const LONGEST_S: f64 = 12.0;
 const CONNECT_SAMPLES: usize = 3000;
 const NET_STEPS: usize = 12;
@@ -66,7 +66,7 @@ const NET_STEPS: usize = 12;
 const SHOULDER: [f64; 3] = [0.1, -1.0, 0.4];
 const REST: [f64; 3] = [0.05, -0.8, 0.05];
 
-/// The three cases over so many motions, with the net that was learned elsewhere.
+/// The three cases, each over `motions` motions, with a net learned elsewhere.
 pub fn cases(seed: u64, net: &GraphNet, motions: u64) -> [Smoothness; 3] {
     let people = |from: u64, count: u64| -> Vec<Watched> {
         (from..from + count).flat_map(|n| watched(seed, n)).collect()
@@ -112,7 +112,7 @@ fn watched(seed: u64, n: u64) -> Vec<Watched> {
     vec![(0..80).map(|k| intruder.joints(f64::from(k) * STEP_S)).collect()]
 }
 
-/// One motion: the tool from one side to the other.
+/// Runs one motion: the tool from one side to the other.
 fn motion(seed: u64, n: u64, net: &GraphNet, learned: &Analogues, sight: Sight) -> Smoothness {
     let intruder = Intruder::new(seed, n);
     let mut chance = Stream::new(seed, 99, n);
@@ -163,7 +163,7 @@ fn motion(seed: u64, n: u64, net: &GraphNet, learned: &Analogues, sight: Sight) 
     result
 }
 
-/// Start and goal at both sides of the table before the arm.
+/// Start and goal on both sides of the table before the arm.
 fn ends(draw: &mut dyn FnMut() -> f64) -> Option<(Joints, Joints)> {
     let space = space_with(Vec::new());
     let seed = [1.57, -1.3, 1.7, -1.97, -1.57, 0.0];
@@ -183,7 +183,7 @@ fn known(sight: Sight, seen: &Watched, learned: &Analogues) -> (ArmSpace, WorkGr
     let arms: [ArmJoints; 5] =
         ahead.map(|h| forecast.get(h).map_or(now, |limbs| std::array::from_fn(|k| limbs.points[k].mean)));
     let mut obstacles: Vec<Capsule> = if sight == Sight::NoArm { Vec::new() } else { present };
-    // Two deviations, but no more than 10 cm.
+    // Two standard deviations, but no more than 10 cm.
     let later = ahead.iter().filter_map(|h| forecast.get(*h)).flat_map(|limbs| {
         let mut capsules = limbs.thickened(2.0);
         capsules.iter_mut().for_each(|c| c.radius_m = c.radius_m.min(0.15));
@@ -193,14 +193,14 @@ fn known(sight: Sight, seen: &Watched, learned: &Analogues) -> (ArmSpace, WorkGr
     (space_with(obstacles), WorkGraph::new(&[], &now, &arms))
 }
 
-/// What was seen every 0.1 s, as forecasts need it: every [`STEP_S`], halfway between two.
+/// Observations every 0.1 s, resampled to every [`STEP_S`] as forecasts need: halfway between two.
 fn at_steps(seen: &Watched) -> Watched {
     let middle = |a: &ArmJoints, b: &ArmJoints| std::array::from_fn(|k| a[k] + (b[k] - a[k]) * 0.5);
     let pairs = seen.windows(2).flat_map(|pair| [middle(&pair[0], &pair[1]), pair[1]]);
     pairs.collect()
 }
 
-/// Configurations of a way from here on.
+/// The remaining configurations of a path.
 fn rest_of(way: &ArmWay, along: f64) -> Vec<Joints> {
     let mut rest = vec![way.at_rad(along)];
     let mut length = 0.0;
@@ -215,7 +215,7 @@ fn rest_of(way: &ArmWay, along: f64) -> Vec<Joints> {
 
 /// Mean absolute second and third differences.
 fn changes(path: &[Joints]) -> (f64, f64) {
-    // Over 0.1 s, as the planner's cycle is.
+    // Over 0.1 s, like the planner's cycle.
     let coarse: Vec<&Joints> = path.iter().step_by(PLANS_TICKS).collect();
     let dt = TICK_S * PLANS_TICKS as f64;
     let differences = |of: &[Joints]| -> Vec<Joints> {

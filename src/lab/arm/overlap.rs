@@ -1,4 +1,4 @@
-//! Seed of intention-aware planning again: stated against sampled overlap, and 120 rounds of choosing a trajectory
+//! The seed on intention-aware planning again: stated against sampled overlap, and 120 rounds of choosing a trajectory
 //! beside a person who places things (Liu and Jebelli 2023, sections 4.3 and 6).
 //!
 //! Main types: [`OverlapCase`], [`Rounds`], [`RoundEnd`]. Refuses: to let the arm know the person's goal, and a
@@ -14,22 +14,22 @@ use giveway_cell::arm::{
 use giveway_sim::random::Stream;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
-/// Which probability of an overlap.
+/// How the probability of an overlap is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RiskKind {
     /// Equation 15 as printed, clamped.
     Printed,
-    /// The same, normalised by its peak.
+    /// Equation 15 normalised by its peak.
     Normalised,
-    /// From the capsules' distance and its spread.
+    /// Our probability, from the capsules' distance and its spread.
     Giveway,
 }
 
 impl RiskKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [RiskKind; 3] = [RiskKind::Printed, RiskKind::Normalised, RiskKind::Giveway];
 
-    /// The word for it.
+    /// The kind's word in reports.
     pub fn word(self) -> &'static str {
         match self {
             RiskKind::Printed => "printed",
@@ -47,14 +47,14 @@ impl RiskKind {
     }
 }
 
-/// One arm beside one person, and how probably they overlap.
+/// One arm beside one person, with the probabilities of an overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverlapCase {
-    /// By [`RiskKind`], in its order.
+    /// Stated probability for each [`RiskKind`], in order.
     pub stated: [f64; 3],
-    /// Ours to first order only.
+    /// Our probability to first order only.
     pub first_order: f64,
-    /// The share of draws that overlap.
+    /// The share of random draws that overlap.
     pub sampled: f64,
 }
 
@@ -73,7 +73,7 @@ fn case(chance: &mut Stream, draws: usize) -> OverlapCase {
     let point = |k: usize, chance: &mut Stream| {
         let sigma = if k == 0 { chance.between(0.005, 0.03) } else { chance.between(0.01, 0.12) };
         let along = Vector3::new(chance.normal(), chance.normal(), chance.normal()).normalize();
-        // Movements spread more along their way than across it.
+        // Movements spread more along their path than across it.
         let cov = (Matrix3::identity() * 0.25 + along * along.transpose() * 0.75) * sigma * sigma;
         UncertainPoint { mean: joints[k], cov }
     };
@@ -91,7 +91,7 @@ fn case(chance: &mut Stream, draws: usize) -> OverlapCase {
     OverlapCase { stated, first_order: first_order_probability(&links, &limbs), sampled }
 }
 
-/// The links moved along the closest direction until the least distance is about this.
+/// The links, moved along the closest direction until the least distance is about this.
 fn placed(mut links: Vec<Capsule>, limbs: &[Capsule], distance_m: f64) -> Vec<Capsule> {
     for _ in 0..4 {
         let pairs = links.iter().flat_map(|a| limbs.iter().map(move |b| (a, b)));
@@ -139,41 +139,42 @@ pub fn calibration_error(pairs: &[(f64, f64)]) -> f64 {
     bins.iter().map(|(stated, sampled)| (stated - sampled).abs()).sum::<f64>() / pairs.len().max(1) as f64
 }
 
-/// Why a round did not succeed.
+/// Why a round failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Failure {
     /// The person was elsewhere than forecast.
     Forecast,
-    /// What was decided by was late.
+    /// The observation behind the decision was late.
     Lag,
     /// A choice did not reach the arm.
     Link,
 }
 
-/// How a round ended.
+/// Result of one round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RoundEnd {
-    /// Arm and person overlapped, and why.
+    /// Why arm and person overlapped, if they did.
     pub failure: Option<Failure>,
-    /// Decisions that were made.
+    /// Number of decisions.
     pub decisions: usize,
-    /// Those that left the planned way though following it for a second would have met nobody.
+    /// Decisions that left the planned path though following it for a second would have met nobody.
     pub needless: usize,
-    /// The arm reached a place.
+    /// Whether the arm reached a place.
     pub reached: bool,
 }
 
 /// How long a round lasts, seconds.
 const ROUND_S: f64 = 8.0;
-/// How long the arm picks where it has arrived.
+/// How long the arm picks after its arrival, seconds.
 const PICKS_S: f64 = 0.6;
-/// Interval of decisions.
+/// Interval of decisions, seconds.
 const DECIDE_S: f64 = 0.2;
-/// Interval in which overlaps are looked for.
+/// Interval of checks for overlaps, seconds.
 const LOOK_S: f64 = 0.02;
-/// Steps of a trajectory, [`STEP_S`] apart, that are judged: every second one.
+/// Number of steps of a trajectory, [`STEP_S`] apart, that are evaluated: every second one.
 const JUDGED: usize = AHEAD / 2;
-/// A decision is by what was seen so long ago, usually and where the observation is late.
+/// Age of the observation behind a decision, usually and if it is late, seconds; then the probabilities of a late
+/// observation and of a lost choice.
 const DELAYS_S: [f64; 2] = [0.05, 0.35];
 const LATE: f64 = 0.02;
 const LOST: f64 = 0.01;
@@ -200,7 +201,7 @@ const REST: [f64; 3] = [0.1, -0.4, 0.03];
 const SHOULDER: [f64; 3] = [0.15, -0.42, 0.35];
 
 impl Rounds {
-    /// The bench; forecasts are learned from people who do not come again.
+    /// The bench; forecasts are learned from other people.
     pub fn new(seed: u64) -> Rounds {
         let base = Isometry3::translation(0.0, 0.6, 0.0);
         let kind = ArmKind::collaborative();
@@ -218,7 +219,7 @@ impl Rounds {
         Rounds { seed, base, home, goals, aside, learned }
     }
 
-    /// Round number `n`, decided with this threshold.
+    /// Plays round number `n` with this threshold.
     pub fn play(&self, n: u64, delta: f64, risk: RiskKind) -> RoundEnd {
         let mut world = RoundWorld::new(self, n);
         let mut end = RoundEnd { failure: None, decisions: 0, needless: 0, reached: false };
@@ -253,19 +254,19 @@ impl Rounds {
         end
     }
 
-    /// An instant as it is when the arm decides, for measuring what a decision costs.
+    /// A typical state for measuring the cost of a decision.
     pub fn moment(&self, n: u64) -> Deciding {
         let mut world = RoundWorld::new(self, n);
         world.present = between(&self.home, &world.aim, 0.3);
         world.observe(world.starts_s).0
     }
 
-    /// The forecast of an instant.
+    /// The forecast for a state.
     pub fn forecast(&self, deciding: &Deciding) -> Vec<UncertainLimbs> {
         self.learned.forecast(&deciding.seen)
     }
 
-    /// The choice by a forecast, and the trajectory that it means.
+    /// The choice by a forecast, and its trajectory.
     pub fn choose(
         &self,
         deciding: &Deciding,
@@ -300,7 +301,7 @@ impl Rounds {
         kind.capsules(&kind.pose(&self.base, joints), 0.0)
     }
 
-    /// A second of the straight way there, at most as fast as the axes are.
+    /// One second of the straight path there, at most as fast as the axes allow.
     fn trajectory(&self, from: &Joints, to: &Joints) -> Vec<Joints> {
         let kind = ArmKind::collaborative();
         let takes = (0..6).map(|k| (to[k] - from[k]).abs() / kind.speed_radps[k]).fold(1e-6, f64::max);
@@ -341,7 +342,7 @@ impl Placing {
     }
 }
 
-/// What is recorded of a person.
+/// Recorded movements of a person.
 fn watch_person(seed: u64, who: u64, movements: usize) -> Vec<Watched> {
     let mut chance = Stream::new(seed, 72, who);
     let person = BenchPerson::random(&mut chance, SHOULDER.into());
@@ -357,7 +358,7 @@ fn measured(joints: &ArmJoints, chance: &mut Stream) -> ArmJoints {
     joints.map(|p| p + Vector3::new(chance.normal(), chance.normal(), chance.normal()) * SENSOR_M)
 }
 
-/// One round as it is.
+/// The true state of one round.
 struct RoundWorld<'a> {
     rounds: &'a Rounds,
     placing: Placing,
@@ -373,7 +374,7 @@ impl<'a> RoundWorld<'a> {
         let person = BenchPerson::random(&mut chance, SHOULDER.into());
         let placing = Placing::random(&mut chance, person);
         let aim = rounds.goals[chance.below(3)];
-        // It is to be there about when the person is.
+        // The arm should be there at about the same time as the person.
         let starts_s = (placing.begins_s + chance.between(-0.5, 0.8)).max(0.0);
         RoundWorld { rounds, placing, chance, present: rounds.home, aim, starts_s }
     }
@@ -382,7 +383,7 @@ impl<'a> RoundWorld<'a> {
         certain(&self.placing.joints(t), 0.0).capsules(0.0)
     }
 
-    /// What is seen at a time, whether it is late, and whether the answer will be lost.
+    /// The observation at a time, whether it is late, and whether the choice will be lost.
     fn observe(&mut self, t: f64) -> (Deciding, bool, bool) {
         let late = self.chance.happens_of(LATE);
         let lost = self.chance.happens_of(LOST);
@@ -393,7 +394,7 @@ impl<'a> RoundWorld<'a> {
         (Deciding { seen, present: self.present, aim: self.aim }, late, lost)
     }
 
-    /// Whether the planned way, followed for a second, would truly have met the person.
+    /// Whether the planned path, followed for a second, would truly have met the person.
     fn would_meet(&self, t: f64, deciding: &Deciding) -> bool {
         let way = self.rounds.trajectory(&deciding.present, &deciding.aim);
         (0..50).map(|k| f64::from(k) * LOOK_S).any(|after| {
@@ -403,7 +404,7 @@ impl<'a> RoundWorld<'a> {
     }
 }
 
-/// Steps of a trajectory that are judged.
+/// Number of steps of a trajectory that are evaluated.
 pub const fn judged_steps() -> usize {
     JUDGED
 }

@@ -1,28 +1,27 @@
 //! A simple picker's arm as ground truth for the arm's experiments.
 //!
-//! Main types: [`BenchPerson`], [`Reaching`]. Hands move with minimum jerk in warped time: the peak of speed is at 37
-//! % of the movement, not at 50. Paths are bent and end beside their goal. Refuses: to be asked where it is going by
-//! what predicts.
+//! Main types: [`BenchPerson`], [`Reaching`]. Hands move with minimum jerk in warped time: the speed peaks at 37 % of
+//! the movement, not at 50 %. Paths are bent and end beside their goal. Refuses: to tell predictors where it is going.
 
 use giveway_cell::arm::{LimbBone, UncertainLimbs, UncertainPoint};
 use giveway_sim::random::Stream;
 use nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
 
-/// Shoulder, elbow, wrist and palm, map frame, metres.
+/// Positions of shoulder, elbow, wrist and palm, map frame, metres.
 pub type ArmJoints = [Point3<f64>; 4];
 
-/// The limbs between them: upper arm, forearm, hand; radii of grown people.
+/// The limbs between these joints: upper arm, forearm, hand; radii of adults.
 pub const BONES: [LimbBone; 3] = [
     LimbBone { from: 0, to: 1, radius_m: 0.05 },
     LimbBone { from: 1, to: 2, radius_m: 0.042 },
     LimbBone { from: 2, to: 3, radius_m: 0.042 },
 ];
 
-/// The exponent of the time's warp with which minimum jerk is fastest at 37 % of the time: with w = τ^γ the speed is
-/// proportional to τ^(3γ−1) (1 − w)², whose greatest value is at w = (3γ − 1) / (5γ − 1).
+/// The exponent of the time warp for which minimum jerk is fastest at 37 % of the time: with w = τ^γ the speed is
+/// proportional to τ^(3γ−1) (1 − w)², which is greatest at w = (3γ − 1) / (5γ − 1).
 const WARP: f64 = 0.778;
 
-/// Share of the way at a share of the time.
+/// The share of the path after a share of the time.
 pub fn progress(time: f64) -> f64 {
     let w = libm::pow(time.clamp(0.0, 1.0), WARP);
     w * w * w * (10.0 - 15.0 * w + 6.0 * w * w)
@@ -31,35 +30,35 @@ pub fn progress(time: f64) -> f64 {
 /// A person at a bench.
 #[derive(Clone, Debug)]
 pub struct BenchPerson {
-    /// Where the right shoulder is when the hand is at rest.
+    /// Position of the right shoulder when the hand is at rest.
     pub shoulder: Point3<f64>,
     /// Lengths of upper arm, forearm and hand to the palm, metres.
     pub lengths_m: [f64; 3],
     /// How far the elbow is lifted sideways, radians.
     pub swivel: f64,
-    /// Times the usual duration of a movement.
+    /// Factor on the usual duration of a movement.
     pub pace: f64,
-    /// How far the path is bent upwards, share of its length.
+    /// Upward bend of the path, as a share of its length.
     pub bend: f64,
-    /// Where the hand ends beside its goals, always alike.
+    /// Constant offset of the hand's end from its goals, metres.
     pub habit: Vector3<f64>,
 }
 
 /// One movement of the hand.
 #[derive(Clone, Debug)]
 pub struct Reaching {
-    /// Where the palm begins.
+    /// Start of the palm.
     pub from: Point3<f64>,
-    /// Where it ends.
+    /// End of the palm.
     pub to: Point3<f64>,
-    /// How long it takes, seconds.
+    /// Duration, seconds.
     pub lasts_s: f64,
-    /// Middle of the path against the straight line, metres.
+    /// Offset of the path's middle from the straight line, metres.
     pub bend: Vector3<f64>,
 }
 
 impl BenchPerson {
-    /// One of these people, round a usual place of the shoulder.
+    /// A random person, around a usual position of the shoulder.
     pub fn random(chance: &mut Stream, shoulder: Point3<f64>) -> BenchPerson {
         let size = 1.0 + 0.05 * chance.normal().clamp(-2.0, 2.0);
         let mut about = |sigma: f64| sigma * chance.normal().clamp(-2.0, 2.0);
@@ -85,8 +84,8 @@ impl BenchPerson {
         Reaching { from, to, lasts_s, bend: Vector3::z() * length * (self.bend + about(0.02)) + side }
     }
 
-    /// Where the arm's joints are with the palm here: the elbow hangs down and outwards, the trunk leans where the arm
-    /// is too short.
+    /// The arm's joints for this position of the palm: the elbow hangs down and outwards, the trunk leans if the arm is
+    /// too short.
     pub fn joints(&self, palm: Point3<f64>) -> ArmJoints {
         let [upper, fore, hand] = self.lengths_m;
         let mut shoulder = self.shoulder;
@@ -110,14 +109,14 @@ impl BenchPerson {
 }
 
 impl Reaching {
-    /// Where the palm is, seconds after the movement began.
+    /// Position of the palm `after_s` seconds after the movement began.
     pub fn palm(&self, after_s: f64) -> Point3<f64> {
         let s = progress(after_s / self.lasts_s);
         self.from + (self.to - self.from) * s + self.bend * (4.0 * s * (1.0 - s))
     }
 }
 
-/// Joints as limbs that are known to a deviation.
+/// The joints as limbs that are known to one standard deviation.
 pub fn certain(joints: &ArmJoints, sigma_m: f64) -> UncertainLimbs {
     let cov = Matrix3::identity() * sigma_m * sigma_m;
     let points = joints.iter().map(|mean| UncertainPoint { mean: *mean, cov }).collect();

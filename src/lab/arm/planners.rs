@@ -1,6 +1,6 @@
-//! Planners of an arm's ways beside one another: twelve workspaces, random queries (Liu et al. 2024, table I).
+//! Path planners of an arm compared: twelve workspaces, random queries (Liu et al. 2024, table I).
 //!
-//! Main types: [`Workshops`], [`PlannerKind`], [`QueryAnswer`]. Refuses: to read a clock, and to teach the net with
+//! Main types: [`Workshops`], [`PlannerKind`], [`QueryAnswer`]. Refuses: to read a clock, and to train the net with the
 //! queries that it is asked.
 
 use super::person::BenchPerson;
@@ -12,23 +12,23 @@ use giveway_cell::arm::{
 use giveway_sim::random::Stream;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// One of the planners.
+/// A planner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlannerKind {
-    /// A tree.
+    /// A rapidly exploring random tree.
     Rrt,
-    /// A tree that is rewired.
+    /// A random tree that is rewired.
     RrtStar,
     /// Two wavefronts over samples.
     BfmtStar,
     /// The graph net alone.
     Graph,
-    /// The graph net, and RRT-Connect where it finds no way.
+    /// The graph net, and RRT-Connect if the net finds no path.
     GraphFallback,
 }
 
 impl PlannerKind {
-    /// All of them.
+    /// All planners.
     pub const ALL: [PlannerKind; 5] = [
         PlannerKind::Rrt,
         PlannerKind::RrtStar,
@@ -37,7 +37,7 @@ impl PlannerKind {
         PlannerKind::GraphFallback,
     ];
 
-    /// The word for it.
+    /// The planner's word in reports.
     pub fn word(self) -> &'static str {
         match self {
             PlannerKind::Rrt => "rrt",
@@ -49,27 +49,27 @@ impl PlannerKind {
     }
 }
 
-/// Samples of each planner.
+/// Number of samples of each planner.
 const RRT_SAMPLES: usize = 1500;
 const STAR_SAMPLES: usize = 400;
 const MARCHING_SAMPLES: usize = 300;
 const CONNECT_SAMPLES: usize = 5000;
 /// Steps of the net from either end.
 const NET_STEPS: usize = 12;
-/// Samples of the oracle, and ways that it is asked for per workspace.
+/// Samples of the oracle, and the number of paths it is asked for per workspace.
 const ORACLE_SAMPLES: usize = 700;
 const LESSONS: usize = 60;
 /// Rounds of learning.
 const ROUNDS: usize = 12;
 
-/// What one planner made of one query.
+/// Result of one planner for one query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QueryAnswer {
-    /// The way's length at the tool's tip, metres; nothing where it found none.
+    /// Length of the path at the tool's tip, metres; nothing if none was found.
     pub length_m: Option<f64>,
-    /// How long it took, by the caller's clock, milliseconds.
+    /// Duration by the caller's clock, milliseconds.
     pub took_ms: f64,
-    /// The way does not stand a second, finer check.
+    /// Whether the path fails a second, finer check.
     pub is_wrong: bool,
 }
 
@@ -79,12 +79,12 @@ pub struct Workshops {
     spaces: Vec<ArmSpace>,
     graphs: Vec<WorkGraph>,
     net: GraphNet,
-    /// Mean squared error of the net's steps on ways that it did not learn, rad².
+    /// Mean squared error of the net's steps on paths that it did not learn from, rad².
     pub net_error: f64,
 }
 
 impl Workshops {
-    /// So many workspaces, and the net that learned in them.
+    /// `count` workspaces, and the net trained in them.
     pub fn new(seed: u64, count: usize) -> Option<Workshops> {
         let (spaces, graphs): (Vec<_>, Vec<_>) = (0..count as u64).map(|k| workspace(seed, k)).unzip();
         let lessons = |first: u64, per: usize| -> Vec<NetStep> {
@@ -98,12 +98,12 @@ impl Workshops {
         Some(Workshops { seed, spaces, graphs, net, net_error })
     }
 
-    /// How many workspaces.
+    /// Number of workspaces.
     pub fn count(&self) -> usize {
         self.spaces.len()
     }
 
-    /// All planners on one query; `clock` tells milliseconds.
+    /// Results of all planners for one query; `clock` gives milliseconds.
     pub fn ask(&self, workspace: usize, n: u64, clock: &mut dyn FnMut() -> f64) -> Vec<QueryAnswer> {
         let space = &self.spaces[workspace];
         let (start, goal) = query(self.seed, space, workspace, 1_000_000 + n);
@@ -146,7 +146,8 @@ impl Workshops {
     }
 }
 
-/// A way from start to goal whose configurations, in steps of a fifth of the planners', touch no obstacle.
+/// Whether a path leads from start to goal and its configurations, in steps of a fifth of the planners', touch no
+/// obstacle.
 fn is_right(space: &ArmSpace, way: &ArmWay, start: &Joints, goal: &Joints) -> bool {
     let ends = way.configurations();
     let steps = (way.length_rad() / 0.01).ceil() as usize;
@@ -157,9 +158,9 @@ fn is_right(space: &ArmSpace, way: &ArmWay, start: &Joints, goal: &Joints) -> bo
     ends_fit && (0..=steps).all(|k| !touches(&at(k)))
 }
 
-/// The usual range of an arm on a table.
+/// Lower bounds of the usual range of an arm on a table, radians.
 pub(super) const LOW_RAD: Joints = [-2.6, -2.8, -2.4, -3.0, -2.2, -2.0];
-/// See [`LOW_RAD`].
+/// Upper bounds of that range, see [`LOW_RAD`].
 pub(super) const HIGH_RAD: Joints = [2.6, -0.3, 2.4, 1.0, 2.2, 2.0];
 
 /// An arm on a table among five to eight obstacles.
@@ -176,7 +177,7 @@ fn workspace(seed: u64, k: u64) -> (ArmSpace, WorkGraph) {
         let along = Vector3::new(chance.normal(), chance.normal(), chance.normal()).normalize();
         let b = a + along * chance.between(0.0, 0.4);
         let radius_m = chance.between(0.04, 0.1);
-        // The arm's own column stays free.
+        // The space around the arm's own column stays free.
         if a.coords.xy().norm().min(b.coords.xy().norm()) > 0.3 {
             obstacles.push(Capsule { a, b, radius_m });
         }
@@ -209,7 +210,7 @@ fn query(seed: u64, space: &ArmSpace, workspace: usize, n: u64) -> (Joints, Join
     (free(), free())
 }
 
-/// Steps of the oracle's way for a query, in both directions; none where it finds no way.
+/// Steps of the oracle's path for a query, in both directions; none if it finds no path.
 fn oracle(seed: u64, space: &ArmSpace, workspace: usize, n: u64) -> Vec<NetStep> {
     let (start, goal) = query(seed, space, workspace, n);
     let mut chance = Stream::new(seed, 95, workspace as u64 * 1_000_003 + n);

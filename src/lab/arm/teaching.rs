@@ -1,4 +1,4 @@
-//! Learning of small nets: Adam (Kingma and Ba 2015), and the graph net from an oracle's ways.
+//! Training of small nets: Adam (Kingma and Ba 2015), and the graph net from an oracle's paths.
 //!
 //! Main types: [`AdamMoments`], [`NetStep`]. Refuses: data that it was not given; the order of samples comes from the
 //! seed.
@@ -7,14 +7,14 @@ use giveway_cell::arm::{GRAPH_FEATURES, GRAPH_LAYERS, GraphNet, Joints, WorkGrap
 use giveway_sim::random::Stream;
 use nalgebra::DMatrix;
 
-/// One step of a way: where the arm is, where it goes to, and the step that leads there.
+/// One step of a path: where the arm is, where it goes, and the step in between.
 #[derive(Clone, Debug)]
 pub(super) struct NetStep {
     /// Number of the workspace.
     pub workspace: usize,
-    /// Where the arm is.
+    /// The arm's present joints.
     pub now: Joints,
-    /// Where the way ends.
+    /// The joints at the end of the path.
     pub goal: Joints,
     /// The step, radians.
     pub step: Joints,
@@ -29,13 +29,13 @@ pub(super) struct AdamMoments {
 }
 
 impl AdamMoments {
-    /// For matrices of these shapes.
+    /// Moments for matrices of these shapes.
     pub fn new(rate: f64, like: &[&DMatrix<f64>]) -> AdamMoments {
         let zeros: Vec<DMatrix<f64>> = like.iter().map(|m| DMatrix::zeros(m.nrows(), m.ncols())).collect();
         AdamMoments { rate, steps: 0, first: zeros.clone(), second: zeros }
     }
 
-    /// Sets the rate.
+    /// Sets the learning rate.
     pub fn set_rate(&mut self, rate: f64) {
         self.rate = rate;
     }
@@ -57,7 +57,7 @@ impl AdamMoments {
     }
 }
 
-/// Weights drawn for rectified layers (He et al. 2015).
+/// Random weights for rectified layers (He et al. 2015).
 pub(super) fn drawn(chance: &mut Stream, rows: usize, columns: usize) -> DMatrix<f64> {
     let sigma = (2.0 / rows as f64).sqrt();
     DMatrix::from_fn(rows, columns, |_, _| chance.normal() * sigma)
@@ -65,10 +65,10 @@ pub(super) fn drawn(chance: &mut Stream, rows: usize, columns: usize) -> DMatrix
 
 /// Width of the graph net's layers.
 const WIDTH: usize = 32;
-/// Samples of one step of learning.
+/// Samples per step of training.
 const BATCH: usize = 32;
 
-/// The graph net learned from these steps (equation 8), in so many rounds over all of them.
+/// Trains the graph net on these steps (equation 8), in `rounds` passes over all of them.
 pub(super) fn teach_graph(
     seed: u64,
     graphs: &[WorkGraph],

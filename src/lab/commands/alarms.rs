@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Robots of the floor on which faults are brought about.
+/// Number of robots on the floor where faults are injected.
 const ROBOTS: usize = 20;
 
 /// Arguments of `experiment alarms`.
@@ -40,12 +40,12 @@ pub struct AlarmsArgs {
     json: bool,
 }
 
-/// What came of all trials of one kind.
+/// Results of all trials of one fault.
 struct FaultSummary {
     fault: InjectedFault,
     trials: usize,
     detected: usize,
-    /// Ascending.
+    /// Delays, ascending, seconds.
     delays_s: Vec<f64>,
     alarms: usize,
     cleared: usize,

@@ -1,7 +1,7 @@
 //! `giveway experiment overlap` and `bolts`: the robot arm beside a picker in figures.
 //!
-//! Main types: [`OverlapArgs`], [`BoltsArgs`]. Refuses: to compute anything itself; it measures how long what is
-//! computed takes.
+//! Main types: [`OverlapArgs`], [`BoltsArgs`]. Refuses: to compute anything itself; it only measures how long
+//! computations take.
 
 use crate::arm::bolts::{BoltsArm, BoltsBench, BoltsRun};
 use crate::arm::overlap::{Failure, OverlapCase, RiskKind, RoundEnd, Rounds, calibration_error, cases};
@@ -11,11 +11,11 @@ use serde_json::{Map, Value, json};
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Thresholds that are tried (Liu and Jebelli 2023, figure 10).
+/// Thresholds to compare (Liu and Jebelli 2023, figure 10).
 const DELTAS: [f64; 10] = [0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.08, 0.10, 0.15, 0.20];
 /// The published threshold.
 const DELTA: f64 = 0.05;
-/// So many decisions are timed.
+/// Number of timed decisions.
 const TIMED: u64 = 200;
 
 /// Arguments of `experiment overlap`.
@@ -38,7 +38,7 @@ pub struct OverlapArgs {
     json: bool,
 }
 
-/// What one threshold came to.
+/// Result for one threshold.
 struct SweptDelta {
     success: f64,
     needless: f64,
@@ -61,7 +61,7 @@ impl OverlapArgs {
         };
         let delta: Vec<(f64, SweptDelta)> = DELTAS.map(|d| (d, play(d, RiskKind::Giveway))).into();
         let others = [RiskKind::Printed, RiskKind::Normalised].map(|risk| (risk, play(DELTA, risk)));
-        // No probability is above one: nothing is ever avoided.
+        // No probability is above one: this run never avoids anything.
         let unaware = play(1.0, RiskKind::Giveway);
         let (forecast_ms, choice_ms) = timed(&bench);
         if self.json {
@@ -166,15 +166,15 @@ pub struct BoltsArgs {
     json: bool,
 }
 
-/// Shares of a movement after which its target is asked for, percent.
+/// Shares of a movement after which its target is recognised, percent.
 const PERCENTS: [u32; 5] = [20, 30, 40, 50, 60];
-/// New people whose targets are asked for.
+/// Number of new people whose targets are recognised.
 const ASKED: u64 = 10;
 
 /// A figure's name, and the figure of a run.
 type Figure = (&'static str, fn(&BoltsRun) -> f64);
 
-/// Figures of which means and differences are printed.
+/// Figures with printed means and differences.
 const FIGURES: [Figure; 7] = [
     ("min_distance_cm", |r| r.min_distance_cm),
     ("min_capsule_cm", |r| r.min_capsule_cm),
@@ -185,7 +185,7 @@ const FIGURES: [Figure; 7] = [
     ("stops", |r| r.stops as f64),
 ];
 
-/// Pairs of arms that are compared.
+/// Pairs of arms to compare.
 const PAIRS: [(usize, usize); 3] = [(2, 1), (2, 0), (1, 0)];
 
 impl BoltsArgs {

@@ -1,6 +1,6 @@
 //! `giveway experiment planners`: planners of an arm's ways, dropout as spread, and smoothness.
 //!
-//! Main type: [`PlannersArgs`]. Refuses: to compute anything itself; it is the clock by which planners are timed.
+//! Main type: [`PlannersArgs`]. Refuses: to compute anything itself; it provides the clock for timing planners.
 
 use crate::arm::dropout::{self, DropoutFigures};
 use crate::arm::moving::{self, Sight, Smoothness};
@@ -31,7 +31,7 @@ pub struct PlannersArgs {
     json: bool,
 }
 
-/// What a planner came to.
+/// Results of one planner.
 struct PlannerFigures {
     length_m: Summary,
     mean_ms: f64,

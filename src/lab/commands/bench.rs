@@ -190,12 +190,12 @@ impl PlanArgs {
     }
 }
 
-/// What is below a share of ascending figures.
+/// The figure at a share of ascending figures.
 fn at<T: Copy>(ascending: &[T], q: f64) -> Option<T> {
     ascending.get((ascending.len() as f64 * q) as usize).copied()
 }
 
-/// Time and work with a weight, and what the routes cost relative to the plain search.
+/// Time and work with a weight, and the cost of its routes relative to the plain search.
 fn weighted(w: &planning::Weighted, k: f64) -> serde_json::Value {
     let ratio = |r: &[f64]| json!({"p50": at(r, 0.5), "p99": at(r, 0.99), "max": r.last()});
     json!({
@@ -207,7 +207,7 @@ fn weighted(w: &planning::Weighted, k: f64) -> serde_json::Value {
     })
 }
 
-/// The largest memory the process has had, as the kernel tells it; nothing where it does not.
+/// Peak memory of the process, as the kernel reports it; nothing if it does not.
 fn peak_memory_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;

@@ -28,7 +28,7 @@ pub struct MemoryArgs {
     json: bool,
 }
 
-/// What a row shows, and under which name.
+/// Columns of a row with their names.
 const COLUMNS: [(&str, &str); 10] = [
     ("day", "day"),
     ("memory kB", "memory_kb"),
@@ -43,7 +43,7 @@ const COLUMNS: [(&str, &str); 10] = [
 ];
 
 impl MemoryArgs {
-    /// Lets the days go by and prints a row for each.
+    /// Simulates the days and prints a row for each.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let warehouse = Arc::new(read_map(&self.map)?);
         room_for(&warehouse, self.robots).map_err(|e| anyhow::anyhow!("{}:\n{e}", self.map.display()))?;
@@ -79,7 +79,7 @@ fn row(day: &Day) -> Value {
     })
 }
 
-/// The memory that the process has, as the kernel tells it; nothing where it does not.
+/// Memory of the process, as the kernel reports it; nothing if it does not.
 fn resident_kb() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmRSS:"))?;

@@ -1,8 +1,8 @@
 //! `giveway bench picks`: what one sample of a hand costs.
 //!
 //! Main type: [`BenchPicksArgs`]. Hands are those of simulated people who reach for slots of a rack, 60 times a second.
-//! Allocations are those of the program's allocator while a sample is taken in. Refuses: to print a figure without the
-//! command that made it.
+//! Allocations are counted by the program's allocator while a sample is processed. Refuses: to print a figure without
+//! the command that made it.
 
 use super::stopwatch;
 use crate::arm::bolts::BoltsBench;
@@ -17,7 +17,7 @@ use std::process::ExitCode;
 
 /// Samples per second of a headset.
 const HZ: f64 = 60.0;
-/// Reaches of every worker.
+/// Number of reaches of every worker.
 const REACHES: usize = 6;
 
 /// Arguments of `bench picks`.
@@ -37,7 +37,7 @@ pub struct BenchPicksArgs {
     json: bool,
 }
 
-/// One worker: what is sent, and the tracker.
+/// One worker: the samples sent, and the tracker.
 struct BenchedHand {
     samples: Vec<ArmSample>,
     tracker: SlotTracker,
@@ -98,7 +98,7 @@ impl BenchPicksArgs {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// A simulated worker before a rack of so many slots.
+    /// A simulated worker before a rack with that many slots.
     fn hand(&self, worker: usize) -> BenchedHand {
         let mut chance = Stream::new(self.seed, 320, worker as u64);
         let build = ArmBuild::any(0.0, &mut chance);
@@ -127,7 +127,7 @@ impl BenchPicksArgs {
     }
 }
 
-/// Median time of a forecast of the arm, microseconds.
+/// Durations of forecasts of the arm, microseconds.
 fn forecast_us(samples: &[ArmSample]) -> Vec<f64> {
     let model = PickModel::builtin();
     let time = |window: &[ArmSample]| {
@@ -140,10 +140,10 @@ fn forecast_us(samples: &[ArmSample]) -> Vec<f64> {
     times
 }
 
-/// Queries of which the search for a way is timed.
+/// Number of timed path queries.
 const QUERIES: u64 = 60;
 
-/// How long a robot arm's control and its planner (the net, or RRT-Connect where that finds no way) take, sorted,
+/// Durations of a robot arm's control and of its planner (the net, or RRT-Connect if that finds no path), sorted,
 /// microseconds.
 fn arm_us(seed: u64) -> anyhow::Result<[Vec<f64>; 2]> {
     let mut clock = || stopwatch() as f64 / 1000.0;

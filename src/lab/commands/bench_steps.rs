@@ -63,7 +63,7 @@ impl StepsArgs {
         let mut rows = Vec::new();
         let furnished = Arc::new(with_cells(&warehouse, self.arms));
         for (name, robots, case) in cases {
-            // Racks have to stand at stations.
+            // Racks must already stand at stations.
             let has_cells = matches!(case, StepsCase::Lines(_) | StepsCase::Staffed(_));
             let settle = if has_cells { self.settle.max(SETTLED) } else { self.settle };
             let setup = StepSetup { robots, settle, steps: self.steps };
@@ -80,7 +80,7 @@ impl StepsArgs {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// What is measured: each crowded floor next to the same floor with little on it.
+    /// The cases: each crowded floor next to the same floor with little on it.
     fn cases(&self) -> Vec<(&'static str, usize, StepsCase)> {
         let (all, busy) = (self.robots, self.busy);
         vec![

@@ -40,7 +40,7 @@ pub struct CorridorArgs {
     json: bool,
 }
 
-/// Pairs of arms that are compared.
+/// Pairs of arms to compare.
 const PAIRS: [(CorridorArm, CorridorArm); 4] = [
     (CorridorArm::Improved, CorridorArm::Traditional),
     (CorridorArm::Improved, CorridorArm::TraditionalEqual),
@@ -50,12 +50,12 @@ const PAIRS: [(CorridorArm, CorridorArm); 4] = [
 
 /// A figure of a run with its key in the report.
 type Figure = (&'static str, fn(&CorridorRun) -> f64);
-/// Figures that are compared run by run.
+/// Figures to compare run by run.
 const FIGURES: [Figure; 3] =
     [("path_m", |r| r.path_m), ("time_s", |r| r.time_s), ("closest_m", |r| r.closest_m)];
 
 impl CorridorArgs {
-    /// Drives all scenes and prints what came of them. A broken law is a failure.
+    /// Drives all scenes and prints the results. A broken law is a failure.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         anyhow::ensure!((2..=1000).contains(&self.runs), "--runs must be from 2 to 1000");
         anyhow::ensure!(self.angles <= 1000, "--angles must be from 0 to 1000");
@@ -102,7 +102,7 @@ impl CorridorArgs {
     }
 }
 
-/// Arms and pairs over some kinds of scenes.
+/// Results of arms and pairs over some kinds of scenes.
 fn scenes(report: &CorridorReport, kinds: &[SceneKind]) -> Map<String, Value> {
     let paired = PAIRS.map(|(ours, theirs)| {
         let all = FIGURES.map(|(key, f)| (key, interval(report.paired(kinds, ours, theirs, f))));
@@ -121,7 +121,7 @@ fn arms(report: &CorridorReport, kinds: &[SceneKind]) -> Map<String, Value> {
     CorridorArm::ALL.into_iter().map(one).collect()
 }
 
-/// How much longer the ways of one arm are than those of another, as a share of the latter.
+/// How much longer the paths of one arm are than those of another, as a share of the latter.
 fn relative(report: &CorridorReport, kinds: &[SceneKind], ours: CorridorArm, theirs: CorridorArm) -> f64 {
     let path = |arm| CorridorFigures::of(&report.of(kinds, arm)).path_m;
     path(ours) / path(theirs) - 1.0

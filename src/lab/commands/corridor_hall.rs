@@ -8,7 +8,7 @@ use crate::statistics::{Interval, Summary};
 use serde_json::{Map, Value, json};
 use std::process::ExitCode;
 
-/// Pairs of arms that are compared.
+/// Pairs of arms to compare.
 const PAIRS: [(HallArm, HallArm); 4] = [
     (HallArm::Free, HallArm::Traditional),
     (HallArm::Free, HallArm::Lines),
@@ -29,8 +29,8 @@ const FIGURES: [HallFigure; 7] = [
     ("passes", |r| r.passes as f64),
 ];
 
-/// Runs all arms and prints what came of them. A broken law is a failure, but in the traditional window's runs it is a
-/// finding: it is there to be compared with.
+/// Runs all arms and prints the results. A broken law is a failure, except in the traditional window's runs, where it
+/// is a finding: that arm is only there for comparison.
 pub fn run(setup: HallSetup, seed: u64, runs: u64, as_json: bool) -> anyhow::Result<ExitCode> {
     let report = halls(setup, seed, runs, || {});
     let violations = violations(&report);
@@ -42,7 +42,7 @@ pub fn run(setup: HallSetup, seed: u64, runs: u64, as_json: bool) -> anyhow::Res
     Ok(if violations == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Broken laws in the runs of all arms but the traditional window's.
+/// Number of broken laws in the runs of all arms except the traditional window's.
 fn violations(report: &HallReport) -> u64 {
     let arms = HallArm::ALL.into_iter().filter(|arm| *arm != HallArm::Traditional);
     arms.map(|arm| report.law_violations(arm)).sum()

@@ -35,7 +35,7 @@ impl FormatArgument {
     }
 }
 
-/// Reads recorded tracks, in the format named or guessed from the first line.
+/// Reads recorded tracks, in the given format or one guessed from the first line.
 pub fn read_tracks(path: &Path, format: Option<FormatArgument>) -> anyhow::Result<RecordedWalks> {
     let text = read(path)?;
     let format = format.map(FormatArgument::format).or_else(|| Format::guess(&text));

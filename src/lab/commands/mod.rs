@@ -51,7 +51,7 @@ enum LabCommand {
     Experiment(experiment::Experiment),
 }
 
-/// Parses arguments, runs the command, prints what went wrong with all its causes.
+/// Parses arguments, runs the command, and prints an error with all its causes.
 pub fn run() -> ExitCode {
     let result = match LabArguments::parse().command {
         LabCommand::Bench(bench) => bench.run(),
@@ -64,7 +64,7 @@ pub fn run() -> ExitCode {
     })
 }
 
-/// Results of work in parts, in their order.
+/// Results of `parts` pieces of work, in order.
 fn in_parallel<T: Send>(parts: usize, jobs: Option<usize>, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let results: Vec<Mutex<Option<T>>> = (0..parts).map(|_| Mutex::new(None)).collect();
     let next = AtomicUsize::new(0);

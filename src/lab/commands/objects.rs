@@ -1,6 +1,6 @@
 //! `giveway experiment objects`: which object a simulated person fetches, by the thesis' predictors.
 //!
-//! Main type: [`ObjectsArgs`]. Refuses: to compute anything itself; it is the clock by which frames are timed.
+//! Main type: [`ObjectsArgs`]. Refuses: to compute anything itself; it provides the clock for timing frames.
 
 use super::{in_parallel, stopwatch};
 use crate::objects::{
@@ -12,7 +12,7 @@ use clap::Args;
 use serde_json::{Map, Value, json};
 use std::process::ExitCode;
 
-/// Said beside every table.
+/// Remark beside every table.
 const SIMULATED: &str = "simulated people: MoGaze and SubMotion are not part of this repository";
 
 /// Arguments of `experiment objects`.
@@ -35,7 +35,7 @@ pub struct ObjectsArgs {
     json: bool,
 }
 
-/// What a frame of a row costs in milliseconds: of the net that was judged, and of one of the published size.
+/// Cost of a frame of a row in milliseconds: of the net that was scored, and of one of the published size.
 type FrameCost = (Option<f64>, Option<f64>);
 
 impl ObjectsArgs {
@@ -55,7 +55,7 @@ impl ObjectsArgs {
         let report = ObjectsReport::of(pieces.into_iter().flatten().collect());
         let study = feature_study(&bench.moves(ObjectTable::Shelves));
         let changes = bench.changes();
-        // Timed when nothing else of this program runs.
+        // Frames are timed while nothing else of this program runs.
         let costs = ObjectTable::ALL.map(|table| costs_of(&bench, table));
         if self.json {
             let value = self.value(&report, &study, &changes, &costs);
@@ -189,7 +189,7 @@ fn interval(of: &Interval) -> String {
     }
 }
 
-/// What frames of all rows of a table cost: the fastest of some runs over a movement.
+/// Cost of frames for all rows of a table: the fastest of several runs over a movement.
 fn costs_of(bench: &ObjectsBench, table: ObjectTable) -> Vec<FrameCost> {
     const RUNS: usize = 5;
     let movement = bench.moves(table)[0];

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Which arms are compared with which.
+/// Pairs of arms to compare.
 const PAIRS: [(HumanAwarePolicy, HumanAwarePolicy); 5] = [
     (HumanAwarePolicy::Giveway, HumanAwarePolicy::Phir),
     (HumanAwarePolicy::Phir, HumanAwarePolicy::Nhir),
@@ -38,7 +38,7 @@ pub enum ArmArgument {
 }
 
 impl ArmArgument {
-    /// The arm of that name.
+    /// The policy of this name.
     pub fn arm(self) -> HumanAwarePolicy {
         match self {
             ArmArgument::Nhir => HumanAwarePolicy::Nhir,
@@ -102,7 +102,7 @@ pub enum CausesArgument {
 }
 
 impl CausesArgument {
-    /// The causes of that name.
+    /// The causes of this name.
     pub fn causes(self) -> Causes {
         match self {
             CausesArgument::None => Causes::None,
@@ -139,7 +139,7 @@ impl Runs {
     }
 }
 
-/// All runs of all cases, `jobs` at a time: for each case the rows, seed by seed.
+/// Runs all seeds of all cases, `jobs` at a time; gives the rows of each case, seed by seed.
 pub fn run_all(
     cases: &[(TableSetup, HumanAwarePolicy)],
     runs: u64,
@@ -153,7 +153,7 @@ pub fn run_all(
     rows.chunks(runs as usize).map(<[RunRow]>::to_vec).collect()
 }
 
-/// Says which laws were broken; how many.
+/// Reports which laws were broken; gives how many.
 pub fn violations<'a>(rows: impl Iterator<Item = &'a RunRow>) -> u64 {
     rows.map(|row| {
         row.broken.iter().for_each(|b| eprintln!("broken law at {b}"));
@@ -162,7 +162,7 @@ pub fn violations<'a>(rows: impl Iterator<Item = &'a RunRow>) -> u64 {
     .sum()
 }
 
-/// Whether all laws were kept, for scripts.
+/// The exit code for scripts: failure if a law was broken.
 pub fn exit(violations: u64) -> ExitCode {
     if violations == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
@@ -203,7 +203,7 @@ impl TableArgs {
     }
 }
 
-/// One number of workers: all arms, and their differences.
+/// Results for one number of workers: all arms, and their differences.
 fn scenario(workers: usize, arms: &[HumanAwarePolicy], rows: &[Vec<RunRow>]) -> Value {
     let mut by_arm = Map::new();
     for (arm, rows) in arms.iter().zip(rows) {

@@ -17,7 +17,7 @@ use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Word for the built-in model in place of a file.
+/// Word for the built-in model, in place of a file.
 const BUILTIN: &str = "builtin";
 
 /// Which places are candidates.
@@ -240,7 +240,7 @@ impl LearnPicksArgs {
                 let lessons = PickLessons::of(&named);
                 let people = lessons.people.len();
                 anyhow::ensure!(people > 2, "{people} people are too few: some must be left out");
-                // What eyes do beside hands is recorded nowhere; simulated people stand for it.
+                // No recording has eyes beside hands; simulated people take their place.
                 (lessons, names.join(" "), END_COURSE, PickModel::builtin().gaze.drawn)
             }
         };

@@ -79,23 +79,23 @@ impl From<NodeWindowsArgument> for NodeWindows {
     }
 }
 
-/// One number of workers on a floor, by one policy.
+/// Results for one number of workers on a floor, with one policy.
 struct PriceRow<'a> {
     workers: usize,
     policy: HumanAwarePolicy,
     shares: Shares,
     both: &'a [RunRow],
-    /// The same seeds without workers.
+    /// Runs of the same seeds without workers.
     alone: &'a [RunRow],
 }
 
-/// How calm guidance was, for each minute that a worker was on the floor.
+/// Rates of calm guidance, per minute of a worker on the floor.
 struct CalmRates {
-    /// Messages that replaced another one.
+    /// Messages that replaced another one, per minute.
     changes: f64,
-    /// Stops.
+    /// Messages to stop, per minute.
     stops: f64,
-    /// Share of the time in which a worker was told to stop for a robot that waited for the worker.
+    /// Share of the time in which a worker was told to stop for a robot that waited for that worker.
     against: f64,
 }
 
@@ -140,7 +140,7 @@ impl PriceArgs {
         Ok(PriceFloor { map: map.to_owned(), warehouse, robots, workers })
     }
 
-    /// The robots alone; then for each number of workers they alone, and both by each policy.
+    /// The cases: the robots alone; then for each number of workers, the workers alone and both with each policy.
     fn cases(
         &self,
         floor: &PriceFloor,
@@ -214,7 +214,7 @@ impl PriceRow<'_> {
         self.both.iter().map(|row| row.standstills).sum()
     }
 
-    /// How calm guidance was, for each minute that a worker was on the floor.
+    /// Rates of calm guidance, per minute of a worker on the floor.
     fn calm(&self) -> CalmRates {
         let minutes: f64 = self.both.iter().map(|row| row.calm.1).sum();
         let sum = |of: fn(&CalmFigures) -> f64| self.both.iter().map(|row| of(&row.calm.0)).sum::<f64>();
@@ -246,7 +246,7 @@ impl PriceRow<'_> {
     }
 }
 
-/// What share of their time robots spent on what, in all runs of a row.
+/// Shares of the robots' time by use, over all runs of a row.
 fn time_report(rows: &[RunRow]) -> Value {
     let time = RobotTime::of_runs(rows.iter().map(|row| &row.robot_time));
     let shares: Value =
@@ -254,7 +254,7 @@ fn time_report(rows: &[RunRow]) -> Value {
     json!({"shares": shares, "mean_mps": time.mean_mps()})
 }
 
-/// The same as a table, with a column for the robots alone.
+/// Prints these shares as a table, with a column for the robots alone.
 fn print_times(rows: &[PriceRow<'_>]) {
     let Some(first) = rows.first() else { return };
     let of = |rows: &[RunRow]| RobotTime::of_runs(rows.iter().map(|row| &row.robot_time));

@@ -1,7 +1,7 @@
 //! `giveway experiment forecast`, `intention`, `meetings`: predictions of recorded people, scored.
 //!
-//! Main types: [`ForecastArgs`], [`PurposeArgs`]. Refuses: tracks that the model was learned from without saying so:
-//! the report names what the model was learned from.
+//! Main types: [`ForecastArgs`], [`PurposeArgs`]. Refuses: to hide the tracks that the model was learned from: the
+//! report names them.
 
 use super::learn::{FormatArgument, read_goals, read_tracks};
 use super::write;
@@ -87,7 +87,7 @@ impl EncountersArgs {
     }
 }
 
-/// One speed's figures.
+/// Figures of one speed.
 fn outcome(replay: &MeetingReplay, found: &Meetings) -> Value {
     let score = |j: &RuleScore| {
         let share = |n: u64, of: u64| (of > 0).then(|| n as f64 / of as f64);
@@ -117,7 +117,7 @@ fn outcome(replay: &MeetingReplay, found: &Meetings) -> Value {
     })
 }
 
-/// Everything that was read.
+/// Everything that was read from files.
 struct RecordedCase {
     recording: RecordedWalks,
     stretches: Vec<Stretch>,
@@ -127,7 +127,7 @@ struct RecordedCase {
     seed: u64,
 }
 
-/// What is seen of samples: all, or a worse view.
+/// A view of the samples: all of them, or a worse view.
 type SampleView = Option<Degrade>;
 
 impl TrackSource {
@@ -164,7 +164,7 @@ impl RecordedCase {
         view.map_or(RECORDED_M, |d| d.noise_m.max(RECORDED_M))
     }
 
-    /// The next view of a stretch or trip; the same for every model.
+    /// The view of each stretch or trip; the same for every model.
     fn seen(&self, view: SampleView) -> impl FnMut(&[TrackPoint]) -> Vec<TrackPoint> {
         let mut seed = self.seed;
         move |samples| {
@@ -210,7 +210,7 @@ impl RecordedCase {
     }
 }
 
-/// Views that are compared: with what they see, for the report.
+/// A view in words, for the report.
 fn view_words(view: SampleView) -> Value {
     view.map_or(
         Value::Null,
@@ -331,7 +331,8 @@ impl PurposeArgs {
     }
 }
 
-/// Adds scores of goals, where there are goals: of all recognisers as it is, of those that remember in worse views.
+/// Adds scores of goals, if there are goals: of all recognisers for the plain view, of those with memory for worse
+/// views.
 fn goal_scores(case: &RecordedCase, view: SampleView, models: &mut Map<String, Value>) {
     if case.trips.is_empty() {
         return;
@@ -407,10 +408,10 @@ fn table(title: &str, models: &Value) {
     }
 }
 
-/// Colours of lines: those of the other charts.
+/// Colours of the lines: those of the other charts.
 const COLOURS: [&str; 4] = ["#2f6fde", "#d9822b", "#2e9e5b", "#8a4fbf"];
 
-/// Share of people within the stated regions over the horizon.
+/// Chart of the share of people within the stated regions over the horizon.
 fn coverage_chart(score: &ForecastScore) -> LineChart {
     let line = |(i, level): (usize, &f64)| {
         let points = (0..PREDICTED).map(|h| (STEP_S * (h + 1) as f64, score.covered[i][h])).collect();
@@ -427,7 +428,7 @@ fn coverage_chart(score: &ForecastScore) -> LineChart {
     }
 }
 
-/// Right goals along the way, by recogniser.
+/// Chart of right goals along the way, by recogniser.
 fn goal_chart(case: &RecordedCase) -> LineChart {
     let shown = [
         (Recogniser::Method(Method::Detour), "ours"),

@@ -8,7 +8,7 @@ use giveway_sim::measure::encounter::RINGS_M;
 use giveway_sim::{EncounterFigures, RingColumn};
 use serde_json::{Map, Value, json};
 
-/// The curve of many runs: means with standard deviations, closest distances of all encounters together.
+/// The curve of many runs: means with standard deviations, and the closest distances of all encounters together.
 pub fn of_runs(runs: &[&EncounterFigures]) -> Value {
     by_radius(|ring| {
         let mut columns = Map::from_iter(RingColumn::ALL.map(|c| {

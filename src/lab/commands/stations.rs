@@ -20,11 +20,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// The shipped scenario, for whoever names none.
+/// The shipped scenario, used if none is named.
 const SHIPPED: &str = include_str!("../../../scenarios/stations.json");
-/// Numbers of robots where no scenario is named.
+/// Numbers of robots if no scenario is named.
 const ROBOTS: [usize; 3] = [14, 18, 24];
-/// The flows in their order, and which are compared with which.
+/// The flows in order, each with the flow that it is compared with.
 const FLOWS: [(Flow, &str); 5] = [
     (Flow::Usual, "usual"),
     (Flow::Counted, "counted"),
@@ -35,7 +35,7 @@ const FLOWS: [(Flow, &str); 5] = [
 const PAIRS: [(&str, &str); 5] =
     [("seen", "usual"), ("counted", "usual"), ("hand", "counted"), ("seen", "hand"), ("known", "seen")];
 
-/// Modes of robot arms, and which are compared with which; `none` is the flow `seen` without an arm.
+/// Modes of robot arms, each with the one that it is compared with; `none` is the flow `seen` without an arm.
 const ARM_MODES: [(ArmMode, &str); 3] =
     [(ArmMode::Turns, "turns"), (ArmMode::Reactive, "reactive"), (ArmMode::Predictive, "predictive")];
 const ARM_PAIRS: [(&str, &str); 4] =
@@ -164,7 +164,7 @@ fn scenario(robots: usize, flows: &[&[StationsRow]]) -> Value {
     json!({"robots": robots, "arms": arms, "paired": paired})
 }
 
-/// What arms came to in each mode, beside the same hours without one.
+/// Figures of the arms in each mode, beside the same hours without one.
 fn with_arm(without: &[StationsRow], modes: &[&[StationsRow]]) -> Value {
     let all =
         || std::iter::once(("none", without)).chain(ARM_MODES.iter().map(|m| m.1).zip(modes.iter().copied()));
@@ -205,7 +205,7 @@ fn rate_at_arms(row: &StationsRow) -> f64 {
     row.arms.lines as f64 / row.hours
 }
 
-/// Lines an hour.
+/// Lines per hour.
 fn rate(row: &StationsRow) -> f64 {
     row.lines as f64 / row.hours
 }

@@ -1,4 +1,4 @@
-//! One robot drives one scene.
+//! Drives one robot through one scene.
 //!
 //! Main type: [`CorridorRun`]; main function: [`drive`]. The planner sees the worker through a sensor with noise and
 //! delay, and the product's own filter and forecast. Laws are checked at every instant. Refuses: to show the planner
@@ -18,43 +18,43 @@ use giveway_people::local::{
 use giveway_sim::random::Stream;
 use std::collections::VecDeque;
 
-/// From one instant to the next, microseconds.
+/// Time from one instant to the next.
 const TICK: Span = Span::from_millis(20);
-/// So many instants are one period of the planner and of the sensor.
+/// Number of instants in one period of the planner and of the sensor.
 const TICKS: u32 = 5;
-/// What is seen is so many periods old.
+/// Age of an observation, periods.
 const DELAY: usize = 1;
-/// Noise of a seen place along each axis, metres.
+/// Noise of an observed position along each axis, metres.
 const NOISE_M: f64 = 0.05;
-/// The worker is seen for so long before the robot starts, periods.
+/// How long the worker is observed before the robot starts, periods.
 const WARM_UP: u32 = 20;
-/// Whoever is not there by then stays away, seconds.
+/// Time limit of a scene, seconds.
 const LIMIT_S: f64 = 90.0;
-/// A goal is reached from so near, metres.
+/// A robot this near to its goal has reached it, metres.
 const THERE_M: f64 = 0.08;
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 1e-6;
 
-/// What came of one scene.
+/// Result of one scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorridorRun {
     /// Whether the robot reached its goal.
     pub reached: bool,
-    /// How far it drove, metres.
+    /// Distance driven, metres.
     pub path_m: f64,
-    /// How long it took, seconds.
+    /// Duration, seconds.
     pub time_s: f64,
-    /// The least distance between its outline and the worker's body, metres.
+    /// The least distance between the robot's outline and the worker's body, metres.
     pub closest_m: f64,
-    /// Whether it crossed the worker's way behind the worker; nothing where it did not cross.
+    /// Whether the robot crossed the worker's path behind the worker; nothing if it did not cross.
     pub behind: Option<bool>,
-    /// How often its own scanner stopped it.
+    /// How often the robot's own scanner stopped it.
     pub own_stops: u32,
-    /// How often its outline left the corridor, or touched a person while it moved.
+    /// How often the robot's outline left the corridor, or touched a person while it moved.
     pub violations: u32,
 }
 
-/// What the sensor tells, and what is made of it.
+/// The sensor's observations of the worker, and the forecast from them.
 struct WorkerWatch {
     model: std::sync::Arc<Model>,
     motion: Motion,
@@ -79,7 +79,7 @@ impl WorkerWatch {
         }
     }
 
-    /// The worker as believed now.
+    /// The worker as currently believed.
     fn person(&mut self, now: Time) -> Option<NearPerson<'_>> {
         let forecast =
             Forecast { motion: &self.motion, ways: &[], bound: &self.model.bound, free: &self.model.free };
@@ -91,7 +91,7 @@ impl WorkerWatch {
     }
 }
 
-/// Drives a scene with a method; `seed` and `run` draw the worker's steps and the sensor's noise.
+/// Drives a scene with a method; `seed` and `run` determine the worker's steps and the sensor's noise.
 pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) -> CorridorRun {
     let mut worker = Stroller::new(scene.walk, Stream::new(seed, WALKS, run));
     let mut watch = WorkerWatch::new(Stream::new(seed, SEES, run));
@@ -100,7 +100,7 @@ pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) ->
     let goal = scene.line().b;
     let dt = TICK.as_secs_f64();
     let mut now = Time::ZERO;
-    // Before the robot starts, the worker has been seen standing where it starts to walk.
+    // Before the robot starts, the worker is observed standing at the start of the walk.
     for _ in 0..WARM_UP {
         watch.see(now, worker.at());
         now += TICK * i64::from(TICKS);
@@ -130,7 +130,7 @@ pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) ->
     CorridorRun { time_s: (now - start).as_secs_f64(), own_stops: robot.own.stops, ..robot.run }
 }
 
-/// Purposes of chance.
+/// Purposes of random streams.
 const WALKS: u64 = 0xc0_01;
 const SEES: u64 = 0xc0_02;
 
@@ -140,7 +140,7 @@ struct CorridorRobot {
     wanted: Twist,
     own: OwnStop,
     run: CorridorRun,
-    /// On which side of the worker's way it is.
+    /// The side of the worker's path that the robot is on.
     side: Option<bool>,
     broke: [bool; 2],
 }
@@ -169,7 +169,7 @@ impl CorridorRobot {
 
     fn move_on(&mut self, person: Point, dt: f64) {
         let wanted = DriveState { twist: self.wanted, ..self.state };
-        // The scanner looks along the arc on which the robot is about to be.
+        // The scanner looks along the arc that the robot is about to drive.
         self.state.twist = if self.own.holds(&self.outline, &wanted, person, dt) {
             let held = braked_hard(self.state.twist, dt);
             self.wanted = held;
@@ -181,7 +181,7 @@ impl CorridorRobot {
         self.run.path_m += self.state.twist.speed_mps * dt;
     }
 
-    /// Takes distances, and checks the laws: a law that stays broken is broken once.
+    /// Measures distances, and checks the laws: a law that stays broken counts once.
     fn check(&mut self, scene: &CorridorScene, worker: &Stroller) {
         let gap = self.outline.gap_m(self.state.pose, worker.at()) - BODY_M;
         self.run.closest_m = self.run.closest_m.min(gap);

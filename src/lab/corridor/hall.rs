@@ -1,9 +1,8 @@
 //! A wide hall with robots and people: the same robots, jobs and people with and without leaving the line.
 //!
 //! Main types: [`HallReport`], [`HallArm`], [`HallRun`]; main function: [`halls`]. Robots carry racks from one end of
-//! the hall to stations at the other one. People have work on the lanes between, walk along and across, and do what
-//! comes to their mind. Refuses: a rival that pays for corridors that it does not use: it also runs on the same map
-//! without them.
+//! the hall to stations at the other one. People work on the lanes between, walk along and across them, and follow
+//! impulses. Refuses: a rival that pays for corridors that it does not use: it also runs on the same map without them.
 
 use crate::robot_time::{RobotTime, TimeUse};
 use crate::statistics::{Interval, Summary};
@@ -17,15 +16,15 @@ use giveway_sim::{Scenario, Simulation};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Ways across the hall, one way each, alternately there and back; so far apart, metres.
+/// Number of one-way lanes across the hall, in alternating directions, and the distance between them, metres.
 const ROWS: usize = 4;
 const APART_M: f64 = 7.5;
-/// Nodes of a way across, so far apart, metres.
+/// Number of nodes of such a lane, and the distance between them, metres.
 const NODES: usize = 7;
 const STEP_M: f64 = 4.0;
-/// Nodes at both ends of the hall are so far apart, metres.
+/// Distance between nodes at both ends of the hall, metres.
 const END_STEP_M: f64 = 1.5;
-/// Room on both sides of a way across, metres.
+/// Room on both sides of such a lane, metres.
 const SIDE_M: f64 = 3.3;
 
 /// Whether robots leave the line, and on which map.
@@ -33,7 +32,7 @@ const SIDE_M: f64 = 3.3;
 pub enum HallArm {
     /// Lanes have corridors, and robots may leave the line, by the improved dynamic window.
     Free,
-    /// The same, by the traditional dynamic window.
+    /// Lanes have corridors, and robots may leave the line, by the traditional dynamic window.
     Traditional,
     /// Lanes have corridors, and robots keep to the line.
     Lines,
@@ -42,10 +41,10 @@ pub enum HallArm {
 }
 
 impl HallArm {
-    /// All of them.
+    /// All arms.
     pub const ALL: [HallArm; 4] = [HallArm::Free, HallArm::Traditional, HallArm::Lines, HallArm::NoCorridors];
 
-    /// Its name in reports.
+    /// The arm's name in reports.
     pub fn name(self) -> &'static str {
         match self {
             HallArm::Free => "free",
@@ -56,14 +55,14 @@ impl HallArm {
     }
 }
 
-/// How much there is in the hall.
+/// Size of the experiment in the hall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HallSetup {
-    /// Robots.
+    /// Number of robots.
     pub robots: usize,
-    /// People.
+    /// Number of people.
     pub workers: usize,
-    /// How long a run is, seconds.
+    /// Duration of a run, seconds.
     pub seconds: f64,
 }
 
@@ -73,33 +72,33 @@ impl Default for HallSetup {
     }
 }
 
-/// What came of one run.
+/// Figures of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallRun {
     /// Racks served per hour.
     pub deliveries_per_hour: f64,
-    /// How long robots waited for people, also behind others that did, seconds per robot and hour.
+    /// How long robots waited for people, including behind other robots that did, seconds per robot and hour.
     pub wait_s: f64,
-    /// Moving robots that came into region 1 of somebody, per hour of people on the floor.
+    /// Moving robots that came into region 1 of a person, per hour of people on the floor.
     pub encounters: f64,
     /// How often robots' own scanners stopped them while they drove, per hour.
     pub own_stops: f64,
-    /// The least distance between the middles of a moving robot and of somebody, metres; nothing beyond three.
+    /// The least distance between the middles of a moving robot and of a person, metres; nothing beyond three.
     pub closest_m: Option<f64>,
     /// Assignments that people completed, per hour.
     pub assignments_per_hour: f64,
-    /// How often robots passed somebody beside the line.
+    /// How often robots passed a person beside the line.
     pub passes: u64,
-    /// Broken laws, and the first ones in words.
+    /// Number of broken laws.
     pub law_violations: u64,
-    /// The first ones.
+    /// The first broken laws, in words.
     pub broken: Vec<String>,
 }
 
-/// What came of many runs.
+/// Results of many runs.
 #[derive(Clone, Debug)]
 pub struct HallReport {
-    /// For each arm the runs in order.
+    /// The runs of each arm, in order.
     pub runs: Vec<(HallArm, Vec<HallRun>)>,
 }
 
@@ -110,13 +109,13 @@ impl HallReport {
         runs
     }
 
-    /// Mean and spread of a figure.
+    /// Mean and standard deviation of a figure.
     pub fn summary(&self, arm: HallArm, figure: fn(&HallRun) -> f64) -> Summary {
         let all: Vec<f64> = self.of(arm).iter().map(figure).collect();
         Summary::of(&all)
     }
 
-    /// Of `ours − theirs`, run by run.
+    /// Interval of `ours − theirs`, run by run.
     pub fn paired(&self, ours: HallArm, theirs: HallArm, figure: fn(&HallRun) -> f64) -> Interval {
         let of = |arm| self.of(arm).iter().map(figure).collect::<Vec<f64>>();
         Interval::of_pairs(&of(ours), &of(theirs))
@@ -128,7 +127,7 @@ impl HallReport {
     }
 }
 
-/// Runs all arms on seeds from `seed` on; `progress` is called after each run.
+/// Runs all arms on seeds from `seed` on; calls `progress` after each run.
 pub fn halls(setup: HallSetup, seed: u64, runs: u64, mut progress: impl FnMut()) -> HallReport {
     let mut all: Vec<(HallArm, Vec<HallRun>)> = HallArm::ALL.map(|arm| (arm, Vec::new())).into();
     for run in 0..runs {
@@ -140,7 +139,7 @@ pub fn halls(setup: HallSetup, seed: u64, runs: u64, mut progress: impl FnMut())
     HallReport { runs: all }
 }
 
-/// One run of one arm.
+/// Runs one arm once.
 pub fn hall(setup: HallSetup, arm: HallArm, seed: u64) -> HallRun {
     let (map, scenario) = (hall_map(arm != HallArm::NoCorridors), hall_scenario(setup, arm));
     let mut sim = Simulation::new(map, &scenario, &[], seed, false, || 0);
@@ -173,7 +172,7 @@ pub fn hall(setup: HallSetup, arm: HallArm, seed: u64) -> HallRun {
     }
 }
 
-/// Robots and people of the hall.
+/// The scenario with the robots and people of the hall.
 fn hall_scenario(setup: HallSetup, arm: HallArm) -> Scenario {
     let HallSetup { robots, workers, seconds } = setup;
     let (free, backlog) = (matches!(arm, HallArm::Free | HallArm::Traditional), 2 * robots);
@@ -190,8 +189,8 @@ fn hall_scenario(setup: HallSetup, arm: HallArm) -> Scenario {
     Scenario::parse(&text).expect("the hall is a scenario")
 }
 
-/// The hall: racks on the left, stations on the right, four ways across between two rows of pillars, and people's work
-/// on the ways.
+/// The map: racks on the left, stations on the right, four lanes across between two rows of pillars, and people's work
+/// on the lanes.
 pub fn hall_map(corridors: bool) -> Arc<Warehouse> {
     let mut draft = Draft { name: "hall".into(), footprint_m: 0.9, ..Draft::default() };
     let width_m = STEP_M * (NODES - 1) as f64;
@@ -232,7 +231,7 @@ pub fn hall_map(corridors: bool) -> Arc<Warehouse> {
     Arc::new(draft.build().unwrap_or_else(|e| panic!("the hall is a map: {e}")))
 }
 
-/// What is beyond both ends: racks and chargers on the left, stations and parking places on the right.
+/// Adds both ends: racks and chargers on the left, stations and parking places on the right.
 fn storage_and_stations(draft: &mut Draft, ends: i32, width_m: f64) {
     for k in -4..=ends {
         let y = END_STEP_M * f64::from(k);
@@ -272,7 +271,7 @@ fn storage_and_stations(draft: &mut Draft, ends: i32, width_m: f64) {
     }
 }
 
-/// One way across: people may walk on it, and in the middle of the hall it has room on both sides.
+/// Adds one lane across: people may walk on it, and in the middle of the hall it has room on both sides.
 fn across(draft: &mut Draft, row: usize, corridors: bool) {
     let y = APART_M * row as f64;
     let end = (y / END_STEP_M).round() as i32;

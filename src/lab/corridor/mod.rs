@@ -2,8 +2,7 @@
 //!
 //! Main types: [`CorridorReport`], [`CorridorArm`], [`CorridorFigures`]; main functions: [`corridor`], [`by_angle`].
 //! Source: Ye, Guo, Guo and Luo (2024), table 3. All arms see the same scenes, the same steps of the worker and the
-//! same noise. Refuses: weights that were tuned on the seeds that are reported (`docs/corridors.md` says on which they
-//! were).
+//! same noise. Refuses: weights tuned on the reported seeds (`docs/corridors.md` names the seeds of the tuning).
 
 mod drive;
 mod hall;
@@ -19,25 +18,25 @@ use super::statistics::{Interval, Summary};
 use giveway_people::local::{ImprovedWeights, LocalMethod, TraditionalWeights};
 use giveway_sim::random::Stream;
 
-/// How the robot deals with the worker.
+/// How the robot passes the worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CorridorArm {
-    /// It stays on the line and stops before the worker's safe space.
+    /// The robot stays on the line and stops before the worker's safe space.
     Stop,
     /// The traditional dynamic window, with the weights that serve it best.
     Traditional,
-    /// The same with equal weights.
+    /// The traditional dynamic window with equal weights.
     TraditionalEqual,
-    /// The improved one.
+    /// The improved dynamic window.
     Improved,
 }
 
 impl CorridorArm {
-    /// All of them.
+    /// All arms.
     pub const ALL: [CorridorArm; 4] =
         [CorridorArm::Stop, CorridorArm::Traditional, CorridorArm::TraditionalEqual, CorridorArm::Improved];
 
-    /// Its name in reports.
+    /// The arm's name in reports.
     pub fn name(self) -> &'static str {
         match self {
             CorridorArm::Stop => "stop",
@@ -60,22 +59,22 @@ impl CorridorArm {
 /// Means over runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorridorFigures {
-    /// Driven way, metres.
+    /// Distance driven, metres.
     pub path_m: f64,
-    /// Seconds to the goal.
+    /// Time to the goal, seconds.
     pub time_s: f64,
-    /// Least distance between outline and body, metres.
+    /// Least distance between the robot's outline and the worker's body, metres.
     pub closest_m: f64,
-    /// Share of crossings behind the worker; nothing where nobody crossed.
+    /// Share of crossings behind the worker; nothing if there was no crossing.
     pub behind: Option<f64>,
-    /// Share of goals that were reached.
+    /// Share of runs that reached the goal.
     pub reached: f64,
     /// Stops by the robot's own scanner per run.
     pub own_stops: f64,
 }
 
 impl CorridorFigures {
-    /// Of these runs.
+    /// The means of these runs.
     pub fn of(runs: &[CorridorRun]) -> CorridorFigures {
         let mean = |f: fn(&CorridorRun) -> f64| {
             let all: Vec<f64> = runs.iter().map(f).collect();
@@ -93,16 +92,16 @@ impl CorridorFigures {
     }
 }
 
-/// What came of many runs.
+/// Results of many runs.
 #[derive(Clone, Debug)]
 pub struct CorridorReport {
     /// For each kind of scene and each arm, the runs in order.
     pub runs: Vec<(SceneKind, CorridorArm, Vec<CorridorRun>)>,
 }
 
-/// So many streams of chance each run may use.
+/// Number of random streams that each run may use.
 const STREAMS: u64 = 64;
-/// Purpose of chance: scenes.
+/// Purpose of the random stream for scenes.
 const SCENES: u64 = 0xc0_00;
 
 /// Drives all kinds of scenes `runs` times with all arms.
@@ -117,7 +116,7 @@ pub fn corridor(seed: u64, runs: u64) -> CorridorReport {
     CorridorReport { runs: all }
 }
 
-/// Drives one kind of scenes with one method.
+/// Drives scenes of one kind with one method.
 pub fn driven(kind: SceneKind, method: LocalMethod, seed: u64, runs: u64) -> Vec<CorridorRun> {
     let one = |run: u64| {
         let which = run * STREAMS + kind as u64;
@@ -128,13 +127,13 @@ pub fn driven(kind: SceneKind, method: LocalMethod, seed: u64, runs: u64) -> Vec
 }
 
 impl CorridorReport {
-    /// The runs of an arm in these kinds of scenes.
+    /// The runs of an arm in scenes of these kinds.
     pub fn of(&self, kinds: &[SceneKind], arm: CorridorArm) -> Vec<CorridorRun> {
         let some = self.runs.iter().filter(|(kind, a, _)| kinds.contains(kind) && *a == arm);
         some.flat_map(|(_, _, runs)| runs.iter().copied()).collect()
     }
 
-    /// Of `ours − theirs`, run by run.
+    /// Interval of `ours − theirs`, run by run.
     pub fn paired(
         &self,
         kinds: &[SceneKind],
@@ -152,12 +151,12 @@ impl CorridorReport {
     }
 }
 
-/// Angles between the ways of robot and worker that are tabled, degrees: 180 is head-on.
+/// Angles between the paths of robot and worker in the table, degrees: 180 is head-on.
 pub const ANGLES_DEG: [f64; 5] = [30.0, 60.0, 90.0, 120.0, 150.0];
-/// Speeds of workers that are tabled, metres per second.
+/// Speeds of workers in the table, metres per second.
 pub const WALKS_MPS: [f64; 4] = [0.4, 0.7, 1.0, 1.4];
 
-/// An aisle of 12 m that is crossed in its middle: all arms at each angle and speed.
+/// Drives all arms in an aisle of 12 m that a worker crosses in its middle, at each angle and speed.
 pub fn by_angle(seed: u64, runs: u64) -> Vec<(f64, f64, [Vec<CorridorRun>; 4])> {
     let mut table = Vec::new();
     for (i, degrees) in ANGLES_DEG.into_iter().enumerate() {
@@ -211,7 +210,7 @@ mod tests {
 
     #[test]
     fn a_planner_that_sees_nobody_is_stopped_by_the_robots_own_scanner_and_touches_nobody() {
-        // An inflated obstacle of no size, and no weight on distance: it drives straight on.
+        // An inflated obstacle of no size, and no weight on distance: the robot drives straight on.
         let blind = TraditionalWeights { clearance: 0.0, inflated_m: -0.4, ..TraditionalWeights::default() };
         let runs = driven(SceneKind::CaseOne, LocalMethod::Traditional(blind), 2, 4);
         assert!(runs.iter().map(|r| r.own_stops).sum::<u32>() > 0, "{runs:?}");

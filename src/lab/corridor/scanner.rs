@@ -1,34 +1,33 @@
 //! The robot's own protective stop: it knows nothing of planners and forecasts, and no planner knows of it.
 //!
-//! Main type: [`OwnStop`]. It brakes where, if it braked now, somebody who walks straight at it with 1.6 m/s could
-//! touch it before it stands (ISO 13855, K = 1.6 m/s, all round). Refuses: to steer: it brakes on the arc that it is
-//! on.
+//! Main type: [`OwnStop`]. It brakes if, when braking now, a person who walks straight at the robot at 1.6 m/s could
+//! touch it before it stands (ISO 13855, K = 1.6 m/s, all round). Refuses: to steer: it brakes on the present arc.
 
 use giveway_floor::geometry::Point;
 use giveway_people::aware::BODY_M;
 use giveway_people::human::WALK_MPS;
 use giveway_people::local::{DriveState, RobotOutline, Twist};
 
-/// From somebody in the field to the brakes, seconds.
+/// Time from a person in the field to the brakes, seconds.
 const REACTS_S: f64 = 0.1;
-/// How hard it brakes then, metres per second squared.
+/// Deceleration of the protective stop, metres per second squared.
 const HARD_MPS2: f64 = 1.5;
-/// Room that is left, metres.
+/// Distance that is left, metres.
 const ROOM_M: f64 = 0.05;
-/// It goes on when its field has been clear for so long, seconds.
+/// The robot goes on when its field has been clear for this long, seconds.
 const RESTART_S: f64 = 0.5;
 
 /// Whether a robot's own scanner holds it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct OwnStop {
-    /// For so long it still holds.
+    /// Remaining time that the stop holds, seconds.
     holds_s: f64,
-    /// How often it stopped the robot.
+    /// How often the stop acted.
     pub stops: u32,
 }
 
 impl OwnStop {
-    /// Looks, and says whether it holds the robot for the next `dt` seconds.
+    /// Checks the field; gives whether the robot is held for the next `dt` seconds.
     pub fn holds(&mut self, outline: &RobotOutline, state: &DriveState, person: Point, dt: f64) -> bool {
         if somebody(outline, state, person) {
             self.stops += u32::from(self.holds_s <= 0.0 && state.twist.speed_mps > 0.0);
@@ -40,7 +39,7 @@ impl OwnStop {
     }
 }
 
-/// How a robot goes on that is held.
+/// The next motion of a robot that is held.
 pub(super) fn braked_hard(now: Twist, dt: f64) -> Twist {
     let speed_mps = (now.speed_mps - HARD_MPS2 * dt).max(0.0);
     if speed_mps <= 0.0 {
@@ -55,7 +54,7 @@ fn somebody(outline: &RobotOutline, state: &DriveState, person: Point) -> bool {
     (0..=LOOKS).any(|k| {
         let t = (REACTS_S + stop_s) * f64::from(k) / f64::from(LOOKS);
         let braking = (t - REACTS_S).max(0.0);
-        // The same arc, less far: as long at full speed as the way that is left while braking.
+        // The same arc, but shorter: full speed for the time that covers the braking distance.
         let as_long_s = t.min(REACTS_S) + braking * (1.0 - braking / (2.0 * stop_s.max(1e-9)));
         let pose = state.twist.moved(state.pose, as_long_s);
         outline.gap_m(pose, person) < BODY_M + ROOM_M + WALK_MPS * t
@@ -91,7 +90,7 @@ mod tests {
                     break;
                 }
             }
-            // From straight behind a person may never come up with it before it has left.
+            // A person straight behind the robot may never reach it before it has left.
             assert!(own.stops >= 1 || k == 12, "{k}");
         }
     }

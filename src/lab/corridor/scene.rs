@@ -1,4 +1,4 @@
-//! Scenes: a robot on a corridor of a map, its goal, and a worker who crosses its way or walks along it.
+//! Scenes: a robot on a corridor of a map, its goal, and a worker who crosses its path or walks along it.
 //!
 //! Main types: [`CorridorScene`], [`SceneKind`], [`WorkerWalk`]. The first three kinds are the published ones (Ye et
 //! al. 2024, table 3): about five metres from start to goal, a worker of low speed who crosses the path. The others are
@@ -14,9 +14,9 @@ use giveway_sim::random::Stream;
 pub enum SceneKind {
     /// Published: 4.9 m, a slow worker straight across.
     CaseOne,
-    /// Published: 4.9 m, a worker aslant.
+    /// Published: 4.9 m, a worker who crosses at an angle.
     CaseTwo,
-    /// Published: 5 m, a faster worker who comes aslant towards the robot.
+    /// Published: 5 m, a faster worker who comes at an angle towards the robot.
     CaseThree,
     /// An aisle that a worker crosses at any angle.
     Crossing,
@@ -29,13 +29,13 @@ pub enum SceneKind {
 }
 
 impl SceneKind {
-    /// The published ones.
+    /// The published kinds.
     pub const CASES: [SceneKind; 3] = [SceneKind::CaseOne, SceneKind::CaseTwo, SceneKind::CaseThree];
-    /// The others.
+    /// The other kinds.
     pub const AISLES: [SceneKind; 4] =
         [SceneKind::Crossing, SceneKind::Along, SceneKind::Against, SceneKind::Standing];
 
-    /// Its name in reports.
+    /// The kind's name in reports.
     pub fn name(self) -> &'static str {
         match self {
             SceneKind::CaseOne => "case_1",
@@ -54,37 +54,37 @@ impl SceneKind {
     }
 }
 
-/// What a worker is about to do.
+/// The walk of a worker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkerWalk {
-    /// From where.
+    /// Start of the walk.
     pub start: Point,
-    /// Where to, radians.
+    /// Direction of the walk, radians.
     pub heading: f64,
-    /// How fast, metres per second.
+    /// Speed, metres per second.
     pub speed_mps: f64,
-    /// When it turns suddenly, and by how much, seconds and radians.
+    /// When the worker suddenly turns, seconds, and by how much, radians.
     pub turn: Option<(f64, f64)>,
 }
 
-/// All that is given before a robot starts. The robot starts at the origin and looks along x.
+/// Everything given before a robot starts. The robot starts at the origin and faces along x.
 #[derive(Clone, Debug)]
 pub struct CorridorScene {
-    /// Where its goal is, metres along x.
+    /// Position of the goal along x, metres.
     pub length_m: f64,
-    /// What the robot's motors and brakes allow.
+    /// Limits of the robot's motors and brakes.
     pub limits: DriveLimits,
-    /// Its outline.
+    /// The robot's footprint.
     pub footprint: Footprint,
-    /// The line of its lane, longer than its way.
+    /// The line of the lane, longer than the robot's path.
     pub lane: Segment,
     /// The lane's corridor.
     pub corridor: Corridor,
-    /// The floor that it may take while it holds the lane: what the map says.
+    /// The floor that the robot may use while it holds the lane, by the map.
     pub floor: Hull,
-    /// The worker.
+    /// The worker's walk.
     pub walk: WorkerWalk,
-    /// Whether the worker is to cross the robot's line.
+    /// Whether the worker crosses the robot's line.
     pub crosses: bool,
 }
 
@@ -92,7 +92,7 @@ pub struct CorridorScene {
 const BEYOND_M: f64 = 1.0;
 
 impl CorridorScene {
-    /// One scene of a kind. Everything that is not said by the kind is drawn.
+    /// A random scene of a kind. Everything that the kind leaves open is drawn.
     pub fn drawn(kind: SceneKind, dice: &mut Stream) -> CorridorScene {
         let (length_m, speed_mps, width) = match kind {
             SceneKind::CaseOne | SceneKind::CaseTwo => (4.9, 0.6, (3.0, 3.0)),
@@ -128,8 +128,7 @@ impl CorridorScene {
         CorridorScene::new(length_m, speed_mps, width, walk, kind.crosses())
     }
 
-    /// A worker who crosses an aisle of 12 m in its middle at an angle and a speed, and comes there so much later than
-    /// the robot.
+    /// A worker who crosses an aisle of 12 m in its middle at an angle and a speed, `late_s` seconds after the robot.
     pub fn crossing(angle: f64, walking_mps: f64, late_s: f64) -> CorridorScene {
         let start = before_the_meeting(6.0, 1.2, late_s, angle, walking_mps);
         let walk = WorkerWalk { start, heading: angle, speed_mps: walking_mps, turn: None };
@@ -161,20 +160,20 @@ impl CorridorScene {
         CorridorScene { length_m, limits, footprint, lane, corridor, floor, walk, crosses }
     }
 
-    /// The line that the robot drives where nobody is in its way.
+    /// The line that the robot drives if nobody is in its way.
     pub fn line(&self) -> Segment {
         Segment { a: Point::origin(), b: Point::new(self.length_m, 0.0) }
     }
 }
 
-/// Where a worker starts who is `late_s` later than the robot at a place on its line.
+/// Where a worker starts who reaches a place on the robot's line `late_s` after the robot.
 fn before_the_meeting(at_m: f64, speed_mps: f64, late_s: f64, heading: f64, walking_mps: f64) -> Point {
     let robot_s = at_m / speed_mps + speed_mps / (2.0 * 0.8);
     let way = Vector::new(heading.cos(), heading.sin()) * walking_mps * (robot_s + late_s);
     Point::new(at_m, 0.0) - way
 }
 
-/// The floor that a robot with this outline may take on a lane with this corridor: from a map like any other.
+/// The floor that a robot with this outline may use on a lane with this corridor, computed by a map.
 fn floor(lane: Segment, corridor: Corridor, footprint: &Footprint) -> Hull {
     let node = |name: &str, x: f64| DraftNode { name: name.into(), at: Point::new(x, 0.0) };
     let (low, high) = (lane.a.x, lane.b.x);

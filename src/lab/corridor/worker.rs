@@ -1,7 +1,7 @@
-//! The worker of a scene: walks where it wants to, and yields to no robot.
+//! The worker of a scene: follows a fixed plan, and yields to no robot.
 //!
-//! Main type: [`Stroller`]. It sways, veers, and walks now faster and now slower. It walks into a robot that drives;
-//! round one that stands it steps, as round a rack. Refuses: to look ahead.
+//! Main type: [`Stroller`]. The worker sways, veers, and varies the speed; walks into a robot that drives, and steps
+//! round one that stands, as round a rack. Refuses: to look ahead.
 
 use super::scene::WorkerWalk;
 use giveway_floor::geometry::{Point, Pose, Vector};
@@ -9,22 +9,22 @@ use giveway_people::aware::BODY_M;
 use giveway_people::local::RobotOutline;
 use giveway_sim::random::Stream;
 
-/// Sway of the trunk to both sides, metres, and steps per second (reference: a few centimetres at 0.9 Hz).
+/// Sway of the trunk to each side, metres, and its frequency, hertz (reference: a few centimetres at 0.9 Hz).
 const SWAY: (f64, f64) = (0.03, 0.9);
-/// How much the heading wanders about the way, radians, and how long a stray lasts, seconds.
+/// Deviation of the heading, radians, and how long a deviation lasts, seconds.
 const VEER: (f64, f64) = (0.06, 2.0);
-/// The same of the speed, as a share of it.
+/// Deviation of the speed, as a share of it, and how long it lasts, seconds.
 const PACE: (f64, f64) = (0.1, 3.0);
-/// Nobody walks faster, metres per second: ISO 13855.
+/// Greatest walking speed, metres per second: ISO 13855.
 const FASTEST_MPS: f64 = 1.6;
-/// Nobody comes nearer to what stands than this with the body, metres.
+/// Least distance of the body from a standing obstacle, metres.
 const ELBOW_M: f64 = 0.05;
 
-/// Somebody who walks.
+/// A walking worker.
 #[derive(Debug)]
 pub(super) struct Stroller {
     walk: WorkerWalk,
-    /// Where the feet are; the body sways about it.
+    /// Position of the feet; the body sways about it.
     feet: Point,
     body: Point,
     passed_s: f64,
@@ -49,12 +49,12 @@ impl Stroller {
         }
     }
 
-    /// Where the middle of the body is.
+    /// Position of the body's middle.
     pub fn at(&self) -> Point {
         self.body
     }
 
-    /// Where it wants to go, radians.
+    /// The worker's intended direction, radians.
     pub fn heading(&self) -> f64 {
         let turned = self.walk.turn.filter(|(when, _)| self.passed_s >= *when).map_or(0.0, |(_, by)| by);
         self.walk.heading + turned
@@ -81,7 +81,7 @@ impl Stroller {
             let (now, then) = (outline.gap_m(pose, self.body), outline.gap_m(pose, *body));
             then >= BODY_M + ELBOW_M || then > now
         };
-        // As little out of the way as it must be.
+        // The smallest deviation that is free.
         let tries = (0..=12).flat_map(|k| [1.0, -1.0].map(|side| wanted + side * f64::from(k) * 0.15));
         if let Some((feet, body)) = tries.map(moved).find(free) {
             (self.feet, self.body) = (feet, body);

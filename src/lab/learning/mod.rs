@@ -15,27 +15,27 @@ use giveway_people::human::{Method, Model};
 use shapes::Item;
 use std::sync::Arc;
 
-/// How good the positions of recordings are taken to be: standard deviation, metres. What they are worse, they sway.
+/// Standard deviation of positions in recordings, metres. Any larger error counts as sway.
 pub const RECORDED_M: f64 = 0.005;
-/// Groups of people, each of which is left out once.
+/// Number of groups of people, each of which is left out once.
 const FOLDS: usize = 5;
-/// At most so many stretches of a recording are learned from.
+/// Largest number of stretches of a recording to learn from.
 const STRETCHES: usize = 2500;
-/// And so many to choose among ways of moving.
+/// Largest number of stretches for choosing among ways of moving.
 const TRIED: usize = 400;
 
 /// A recording to learn from.
 #[derive(Clone, Debug)]
 pub struct Lesson {
-    /// What it is called.
+    /// Name of the recording.
     pub name: String,
-    /// The walks.
+    /// The recorded walks.
     pub recording: RecordedWalks,
-    /// Where people go, if that is known.
+    /// Goals of people, if they are known.
     pub goals: Vec<Point>,
 }
 
-/// Learns from recordings, starting from what is known.
+/// Learns from recordings, starting from a known model.
 pub fn learn(lessons: &[Lesson], start: &Model, mut tell: impl FnMut(&str)) -> Model {
     let mut model = start.clone();
     model.learned_from =
@@ -53,7 +53,7 @@ pub fn learn(lessons: &[Lesson], start: &Model, mut tell: impl FnMut(&str)) -> M
     model
 }
 
-/// Of ways of moving that err alike, the one with which people surprise the whole forecast least.
+/// Among ways of moving with similar errors, the one for which the whole forecast is least surprised.
 fn least_surprised(lessons: &[Lesson], model: &Model, fitted: MotionModel) -> MotionModel {
     let with_goals = lessons.iter().any(|l| !l.goals.is_empty());
     let surprise = |motion: &MotionModel| {
@@ -65,7 +65,7 @@ fn least_surprised(lessons: &[Lesson], model: &Model, fitted: MotionModel) -> Mo
     scored.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(fitted, |best| best.1)
 }
 
-/// Figures of forecasts, with or without goals.
+/// Shapes of forecasts, with or without goals.
 fn forecasts(lessons: &[Lesson], model: &Model, with_goals: bool) -> Shapes {
     let old = if with_goals { &model.bound } else { &model.free };
     let items = items(lessons, model, old.blend_s, with_goals, STRETCHES);
@@ -98,7 +98,7 @@ fn items(lessons: &[Lesson], model: &Model, blend_s: f64, with_goals: bool, at_m
     items
 }
 
-/// The number of the first walk of the same person.
+/// The number of the same person's first walk.
 fn person_of(recording: &RecordedWalks, walk: usize) -> usize {
     let name = &recording.walks[walk].person;
     recording.walks.iter().position(|w| w.person == *name).unwrap_or(walk)

@@ -1,30 +1,29 @@
-//! Figures of ways of moving: those with which people are predicted best, in the recording that suits them
-//! least.
+//! Fits the motion filter: the figures that predict people best in the recording that suits them least.
 //!
-//! Main functions: [`fit`], [`calmer`]. The likelihood of the next sample alone would make the filter follow
-//! every sway; what forecasts need is the mean error over their horizon, and honest doubt. Errors are taken
-//! relative to those of going on with the last step, and the worst recording counts most, so that the figures
-//! do for people of whom there is no recording. Refuses: goals.
+//! Main functions: [`fit`], [`calmer`]. The likelihood of the next sample alone would make the filter follow every
+//! sway; forecasts need a small mean error over their horizon, and an honest uncertainty. Errors are relative to those
+//! of continuing the last step, and the worst recording counts most, so that the figures suit people of whom there is
+//! no recording. Refuses: goals.
 
 use super::{Lesson, RECORDED_M};
 use crate::recorded::{OBSERVED, PREDICTED, TrackPoint, all};
 use giveway_people::human::motion::{Fix, Motion, MotionModel};
 use giveway_people::human::{Mixture, Part};
 
-/// What a nat of surprise is worth, as a share of the error.
+/// Weight of a nat of surprise, as a share of the error.
 const SURENESS: f64 = 0.03;
-/// So much more error than that of the last step is allowed.
+/// Largest allowed excess over the error of the last step.
 const COST: f64 = 0.005;
-/// Steps ahead by which the filter's sureness is judged: two seconds.
+/// Number of steps ahead for judging the filter's certainty: two seconds.
 const SURE: usize = 5;
-/// Stretches of each lesson that are tried.
+/// Number of stretches of each lesson that are used.
 const STRETCHES: usize = 250;
-/// Rounds over all figures; steps get smaller with each.
+/// Number of rounds over all figures; steps shrink with each.
 const ROUNDS: i32 = 4;
 
-/// Fits all figures but those that rates and shares must keep to.
+/// Fits all figures except those fixed by rates and shares.
 pub fn fit(lessons: &[Lesson], start: MotionModel) -> MotionModel {
-    // The search goes downhill only, so it starts in more than one place.
+    // The search only goes downhill, so it starts in more than one place.
     let starts = [0.01, 0.02, 0.04].map(|sway_m| MotionModel { sway_m, ..start });
     let found = starts.map(|s| downhill(lessons, s));
     found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("there are three").1
@@ -50,8 +49,8 @@ fn downhill(lessons: &[Lesson], start: MotionModel) -> (f64, MotionModel) {
     best
 }
 
-/// The same figures with people who are pushed about less or more, as far as they err no more than going on
-/// with the last step does: points alone do not tell how sure the filter may be.
+/// Variants with less or more process noise, as long as their error is no greater than that of continuing the last
+/// step: positions alone do not tell how certain the filter may be.
 pub fn calmer(lessons: &[Lesson], m: MotionModel) -> Vec<MotionModel> {
     let worst = |m: &MotionModel| lessons.iter().map(|l| ratio(l, m)).fold(0.0, f64::max);
     let allowed = worst(&m).max(1.0) + COST;
@@ -62,7 +61,7 @@ pub fn calmer(lessons: &[Lesson], m: MotionModel) -> Vec<MotionModel> {
     (-8..=1).map(sized).filter(|m| m.fault().is_none() && worst(m) <= allowed).collect()
 }
 
-/// Mean logarithm of the density of where people were, over the next steps.
+/// Mean logarithm of the density at people's true positions over the next steps.
 fn likelihood(lesson: &Lesson, m: &MotionModel) -> f64 {
     let (mut sum, mut n) = (0.0, 0);
     each(lesson, m, |motion, _, later| {
@@ -76,7 +75,7 @@ fn likelihood(lesson: &Lesson, m: &MotionModel) -> f64 {
     sum / f64::from(n.max(1))
 }
 
-/// Calls `f` with the filter after each stretch's observed samples, those, and those that follow.
+/// Calls `f` for each stretch with the filter after its observed samples, these samples, and the following ones.
 fn each(lesson: &Lesson, m: &MotionModel, mut f: impl FnMut(&Motion, &[TrackPoint], &[TrackPoint])) {
     let stretches = all(&lesson.recording);
     let every = stretches.len().div_ceil(STRETCHES).max(1);
@@ -102,10 +101,10 @@ fn changed(mut m: MotionModel, figure: usize, by: f64) -> MotionModel {
         3 => m.accel_psd.iter_mut().for_each(|q| *q *= by),
         4 => m.accel_psd[0] *= by,
         5 => m.turn_rps *= by,
-        // Turns do not last: half a second is the most that makes sense.
+        // Turns do not last: more than half a second makes no sense.
         6 => m.straighten_s = (m.straighten_s * by).min(0.5),
         7 => m.sway_m = (m.sway_m * by).clamp(0.005, 0.1),
-        // Doubts about fixes and about people together: that hardly moves points, but says how sure they are.
+        // Uncertainty of fixes and of people together: this hardly moves positions, but sets how certain they are.
         _ => {
             m.sway_m = (m.sway_m * by.sqrt()).clamp(0.005, 0.1);
             m.accel_psd = m.accel_psd.map(|q| q * by);
@@ -114,8 +113,8 @@ fn changed(mut m: MotionModel, figure: usize, by: f64) -> MotionModel {
     m
 }
 
-/// The worst ratio of the mean error to that of going on with the last step, a little of the mean ratio, and
-/// how sure the filter was of what came next.
+/// The worst ratio of the mean error to that of continuing the last step, plus a little of the mean ratio, minus a
+/// reward for the filter's certainty about what came next.
 fn error(lessons: &[Lesson], m: &MotionModel) -> f64 {
     let n = lessons.len().max(1) as f64;
     let ratios: Vec<f64> = lessons.iter().map(|l| ratio(l, m)).collect();

@@ -1,8 +1,8 @@
-//! Figures of goals: those that are likeliest after recorded trips.
+//! Fits the goal recogniser: the figures with the highest likelihood for recorded trips.
 //!
-//! Main function: [`fit`]. Samples of one trip hang together, so a trip counts as one observation, and a few of them
-//! move what is likely beforehand (the figures of [`PurposeModel::default`], give or take [`SPREAD`]) only so far.
-//! Refuses: people whose goals nobody knows.
+//! Main function: [`fit`]. Samples of one trip are dependent, so a trip counts as one observation, and a few trips move
+//! the prior (the figures of [`PurposeModel::default`], give or take [`SPREAD`]) only so far. Refuses: people whose
+//! goals are not known.
 
 use super::{Lesson, RECORDED_M};
 use crate::recorded::{Ground, Subject, Trip, trips, visits};
@@ -12,22 +12,22 @@ use giveway_people::human::intention::{DetourPlace, PurposeModel};
 use giveway_people::human::{Method, Model};
 use std::sync::Arc;
 
-/// Rounds over all figures.
+/// Number of rounds over all figures.
 const ROUNDS: i32 = 4;
-/// So many imagined trips from each goal to each other one.
+/// Number of imagined trips from each goal to each other one.
 const IMAGINED: f64 = 4.0;
-/// A goal is never less probable than this.
+/// Least probability of a goal.
 const FLOOR: f64 = 1e-6;
-/// One standard deviation, beforehand, of the logarithm of a figure.
+/// Prior standard deviation of the logarithm of a figure.
 const SPREAD: f64 = 0.5;
-/// So many people's degrees of resoluteness have been seen beforehand.
+/// Number of people whose degrees of resoluteness the prior is worth.
 const KNOWN: f64 = 5.0;
 
 /// Fits all figures; the places are those of the first lesson with goals.
 pub fn fit(lessons: &[Lesson], start: &Model) -> PurposeModel {
     let known: Vec<(&Lesson, Vec<Trip>)> =
         lessons.iter().filter(|l| !l.goals.is_empty()).map(|l| (l, trips(&l.recording, &l.goals))).collect();
-    // Without knowledge of places first: it would count the trips that it was counted from.
+    // Starts without learned places: they would be scored on the trips that they were counted from.
     let mut best = PurposeModel { elsewhere: start.purpose.elsewhere, ..PurposeModel::default() };
     let mut least = loss(&known, start, &best);
     for round in 0..ROUNDS {
@@ -65,8 +65,8 @@ fn changed(mut m: PurposeModel, figure: usize, by: f64) -> PurposeModel {
     m
 }
 
-/// -ln of how likely figures are, up to a constant: the mean of -ln of the true goal's probability over the interior
-/// samples, once per trip, and how far the figures are from those beforehand.
+/// Negative log posterior of the figures, up to a constant: the mean of -ln of the true goal's probability over the
+/// interior samples, counted once per trip, plus the prior's term.
 fn loss(known: &[(&Lesson, Vec<Trip>)], model: &Model, purpose: &PurposeModel) -> f64 {
     let model = Model { purpose: Arc::new(purpose.clone()), ..model.clone() };
     let (mut sum, mut n) = (0.0, 0);
@@ -91,7 +91,7 @@ fn loss(known: &[(&Lesson, Vec<Trip>)], model: &Model, purpose: &PurposeModel) -
     sum / f64::from(n.max(1)) * trips as f64 + surprise(purpose)
 }
 
-/// -ln of how likely figures are before anybody is seen, up to a constant: log-normal, and Dirichlet for the shares.
+/// Negative log prior of the figures, up to a constant: log-normal, and Dirichlet for the shares.
 fn surprise(purpose: &PurposeModel) -> f64 {
     let usual = PurposeModel::default();
     let off = |a: f64, b: f64| ((a / b).ln() / SPREAD).powi(2) / 2.0;
@@ -102,7 +102,7 @@ fn surprise(purpose: &PurposeModel) -> f64 {
         + shares.sum::<f64>()
 }
 
-/// How long people stay at each goal and where they go next.
+/// How long people stay at each goal, and where they go next.
 fn places(lesson: &Lesson, trips: &[Trip]) -> Vec<DetourPlace> {
     let n = lesson.goals.len();
     let mut stays = vec![Vec::new(); n];

@@ -1,8 +1,8 @@
-//! How far people are from where each kind of prediction has them: expectation and maximisation.
+//! Learns the errors of each kind of prediction by expectation and maximisation.
 //!
-//! Main types: [`Item`] (one prediction and what came true), main functions: [`fit`], [`calibrate`].
-//! Dempster, Laird and Rubin 1977; scales by conformal prediction with regions of highest density (Izbicki et
-//! al. 2022) on people who were left out. Refuses: recordings; items are made of them elsewhere.
+//! Main types: [`Item`] (one prediction and the truth), main functions: [`fit`], [`calibrate`]. Dempster, Laird and
+//! Rubin 1977; scales by conformal prediction with regions of highest density (Izbicki et al. 2022) on people who were
+//! left out. Refuses: recordings; items are made from them elsewhere.
 
 use giveway_floor::geometry::{Point, Vector};
 use giveway_people::human::Mixture;
@@ -12,32 +12,32 @@ use nalgebra::Rotation2;
 /// One prediction and where the person was.
 #[derive(Clone, Debug)]
 pub struct Item {
-    /// What was predicted.
+    /// The prediction.
     pub guesses: Guesses,
-    /// What came true.
+    /// The person's true position.
     pub truth: Point,
     /// Number of the horizon, from 0.
     pub horizon: usize,
-    /// Whom it is of; people are left out whole.
+    /// Number of the person; people are left out whole.
     pub person: usize,
 }
 
 /// Rounds of the algorithm.
 const ROUNDS: usize = 30;
-/// Fewer items in a class teach nothing of their own: all classes are taken together.
+/// A class with fewer items takes the items of all classes together.
 const ITEMS_MIN: usize = 80;
-/// What is known counts as much as so many items of each kind.
+/// Number of items of each kind that the prior is worth.
 const IMAGINED: f64 = 12.0;
-/// No standard deviation is smaller, metres.
+/// Least standard deviation, metres.
 const SIGMA_MIN_M: f64 = 0.02;
-/// The region that scales are made for.
+/// Probability of the regions that scales are fitted for.
 const LEVEL: f64 = 0.95;
-/// Scales are searched between these.
+/// Range of the search for a scale.
 const SCALES: (f64, f64) = (0.6, 2.5);
-/// Items of a horizon and class by which a scale is found.
+/// Number of items of a horizon and class for fitting a scale.
 const CALIBRATED_BY: usize = 400;
 
-/// Learns figures from items, beginning with what is known; those of `left_out` people do not count.
+/// Learns shapes from items, with known ones as prior; those of `left_out` people do not count.
 pub fn fit(items: &[Item], known: &Shapes, left_out: impl Fn(usize) -> bool) -> Shapes {
     let mut sorted: Vec<Vec<Vec<&Item>>> = vec![vec![Vec::new(); HORIZONS]; CLASSES];
     for item in items.iter().filter(|i| !left_out(i.person)) {
@@ -55,7 +55,7 @@ pub fn fit(items: &[Item], known: &Shapes, left_out: impl Fn(usize) -> bool) -> 
     Shapes { blend_s: known.blend_s, classes: classes.collect() }
 }
 
-/// Neighbouring horizons are alike.
+/// Averages neighbouring horizons, which are similar.
 fn smooth(shapes: &[HorizonShape]) -> Vec<HorizonShape> {
     let at = |i: usize| (shapes[i.saturating_sub(1)], shapes[i], shapes[(i + 1).min(shapes.len() - 1)]);
     let kernel = |a: Kernel, b: Kernel, c: Kernel| {
@@ -87,10 +87,10 @@ fn smooth(shapes: &[HorizonShape]) -> Vec<HorizonShape> {
         .collect()
 }
 
-/// Sums of one kernel in one round.
+/// Sums for one kernel in one round.
 #[derive(Clone, Copy, Default)]
 struct KernelSums {
-    /// Of responsibilities: tight and wide.
+    /// Sums of responsibilities: tight and wide.
     n: [f64; 2],
     along: f64,
     squares: [[f64; 2]; 2],
@@ -101,7 +101,7 @@ fn fit_one(items: &[&Item], mut shape: HorizonShape) -> HorizonShape {
         return shape;
     }
     let first = shape;
-    // Weights of kinds sum to one, so that imagined items of all kinds do, too.
+    // Weights of kinds sum to one, and so do the weights of their imagined items.
     for _ in 0..ROUNDS {
         let mut sums = [KernelSums::default(); 3];
         for item in items {
@@ -137,7 +137,7 @@ impl KernelSums {
     }
 }
 
-/// One item's part in the sums.
+/// Adds one item's contribution to the sums.
 fn weigh(item: &Item, shape: &HorizonShape, sums: &mut [KernelSums; 3]) {
     let g = &item.guesses;
     let one = |guess: &Guess, kernel: &Kernel| residual(guess, kernel, item.truth, g);
@@ -160,7 +160,7 @@ fn weigh(item: &Item, shape: &HorizonShape, sums: &mut [KernelSums; 3]) {
     }
 }
 
-/// How far the truth is from one guess, in the guess's own frame, and how likely that is: tight and wide.
+/// Deviation of the truth from one guess, in the guess's own frame, with its densities: tight and wide.
 struct Residual {
     off: Vector,
     density: [f64; 2],
@@ -181,7 +181,7 @@ fn residual(guess: &Guess, kernel: &Kernel, truth: Point, g: &Guesses) -> Residu
     Residual { off, density, doubt }
 }
 
-/// The mixture that a shape makes of an item's guesses.
+/// The mixture of an item's guesses under a shape.
 pub fn mixture(item: &Item, shape: &HorizonShape) -> Mixture {
     let mut parts = Vec::new();
     shape.parts(&item.guesses, 1.0, &mut parts);
@@ -189,7 +189,7 @@ pub fn mixture(item: &Item, shape: &HorizonShape) -> Mixture {
     Mixture { parts }
 }
 
-/// How surprising people are for figures that were learned from the others: mean of -ln density per m², nats.
+/// Surprise of people under shapes learned from the others: mean of -ln density per m², nats.
 pub fn surprise(items: &[Item], known: &Shapes) -> f64 {
     let halves = [0, 1].map(|half| fit(items, known, |p| p % 2 == half));
     let of = |i: &Item| {
@@ -199,8 +199,7 @@ pub fn surprise(items: &[Item], known: &Shapes) -> f64 {
     items.iter().map(of).sum::<f64>() / items.len().max(1) as f64
 }
 
-/// Gives every shape the scale with which its 95 % region holds 95 % of those people from whom it was not
-/// learned.
+/// Sets the scale of every shape so that its 95 % region contains 95 % of the people it was not learned from.
 pub fn calibrate(shapes: &mut Shapes, items: &[Item], known: &Shapes, folds: usize) {
     let without: Vec<Shapes> = (0..folds).map(|f| fit(items, known, |p| p % folds == f)).collect();
     let mut sorted: Vec<Vec<Vec<&Item>>> = vec![vec![Vec::new(); HORIZONS]; CLASSES];
@@ -214,7 +213,7 @@ pub fn calibrate(shapes: &mut Shapes, items: &[Item], known: &Shapes, folds: usi
             })
             .collect();
         for h in 0..HORIZONS {
-            // A scale from few items is uncertain; its neighbours know as much.
+            // A scale from few items is uncertain; its neighbours carry as much information.
             let near = &found[h.saturating_sub(1)..(h + 2).min(HORIZONS)];
             shapes.classes[class][h].scale = near.iter().sum::<f64>() / near.len() as f64;
         }

@@ -1,8 +1,8 @@
-//! The whole experiment as pieces of work that can run beside one another, and the report that they make.
+//! The whole experiment as pieces of work that can run in parallel, and the report from them.
 //!
-//! Main types: [`ObjectsBench`] (the simulated people), [`ObjectJob`], `ObjectsReport`. Every piece draws from its
-//! own stream of chance, so the figures do not depend on how many run at a time. Refuses: to judge by movements, or
-//! outside of folds by people, that were learned from.
+//! Main types: [`ObjectsBench`] (the simulated people), [`ObjectJob`], `ObjectsReport`. Every piece draws from its own
+//! random stream, so the figures do not depend on how many run at a time. Refuses: to judge by movements, or outside of
+//! folds by people, that were learned from.
 
 use super::body::{GAZE, HAND, HEAD, ObjectMove, ObjectTable};
 use super::change::ChangeFigures;
@@ -15,30 +15,30 @@ use super::score::ObjectTally;
 use crate::learning::picks::{PlaceCourse, PlaceVariant};
 use giveway_sim::random::Stream;
 
-/// What is asked of a run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ObjectsCourse {
-    /// Simulated people in either room.
+    /// Number of simulated people in either room.
     pub people: usize,
-    /// Movements of each.
+    /// Number of movements of each person.
     pub movements: usize,
-    /// Steps of learning of every net.
+    /// Number of training steps of every net.
     pub steps: usize,
-    /// Seed of people and of learning.
+    /// Seed of people and of training.
     pub seed: u64,
 }
 
-/// Movements of one step of learning.
+/// Number of movements in one training step.
 const BATCH: usize = 8;
-/// Length of the first steps, as published.
+/// First learning rate, as published.
 const RATE: f32 = 0.01;
-/// Parts of EG-LSTM.
+/// Number of parts of EG-LSTM.
 const PARTS: usize = 3;
-/// Purposes of streams of chance.
+/// Purposes of random streams.
 const FOLDS: u64 = 340;
 const LEARNING: u64 = 341;
 
-/// A group of figures that belong together.
+/// A group of figures that are scored in the same way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ObjectGroup {
     /// Folds within every person.
@@ -58,37 +58,37 @@ pub enum ObjectJob {
     Fold(ObjectTable, usize, usize),
     /// One person judged by nets that learned from the others.
     LeftOut(ObjectTable, usize),
-    /// The parts of one person's movements, of which this one has measured gaze.
+    /// One person's movements in parts; the second number is the part with measured gaze.
     Parts(usize, usize),
-    /// The groups of people, of whom this one has measured gaze.
+    /// People in groups; the number is the group with measured gaze.
     PartsLeftOut(usize),
 }
 
-/// What one predictor made of one person's movements in a piece of work.
+/// Results of one predictor for one person's movements in a piece of work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectPiece {
-    /// Where it belongs.
+    /// The group of the result.
     pub group: ObjectGroup,
-    /// The row.
+    /// The word of the row.
     pub word: &'static str,
-    /// Whose movements.
+    /// Number of the person.
     pub person: usize,
-    /// How it did.
+    /// Scores of the predictor.
     pub tally: ObjectTally,
     /// Angles in degrees between measured and estimated gaze, and between measured gaze and the head.
     pub degrees: (Vec<f64>, Vec<f64>),
 }
 
-/// The simulated people, and what is to be done with them.
+/// The simulated people, and the work to do with them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectsBench {
     course: ObjectsCourse,
-    /// By table, then by person.
+    /// Movements by table, then by person.
     moves: [Vec<Vec<ObjectMove>>; 2],
 }
 
 impl ObjectsBench {
-    /// Simulates the people; at least three.
+    /// Simulates the people; there must be at least three.
     pub fn new(course: ObjectsCourse) -> ObjectsBench {
         let of = |table: ObjectTable| {
             (0..course.people).map(|p| moves_of(table, p, course.movements, course.seed)).collect()
@@ -115,7 +115,7 @@ impl ObjectsBench {
         jobs
     }
 
-    /// Movements of a person, shuffled and dealt into so many parts.
+    /// Movements of a person, shuffled and dealt into `count` parts.
     fn parts(&self, table: ObjectTable, person: usize, count: usize) -> Vec<Vec<&ObjectMove>> {
         let moves = &self.moves[table as usize][person];
         let mut order: Vec<usize> = (0..moves.len()).collect();
@@ -143,7 +143,7 @@ impl ObjectsBench {
         (judged, net)
     }
 
-    /// Does one piece of work; `number` is its place in [`ObjectsBench::jobs`].
+    /// Does one piece of work; `number` is its position in [`ObjectsBench::jobs`].
     pub fn run(&self, number: usize, job: ObjectJob) -> Vec<ObjectPiece> {
         match job {
             ObjectJob::Fold(table, person, fold) => {
@@ -190,7 +190,7 @@ impl ObjectsBench {
         learn_net(variant, choice, learned, &self.course_of(hidden, learned.len()), &mut chance)
     }
 
-    /// All rows of a table.
+    /// Scores all rows of a table.
     fn judge(
         &self,
         number: usize,
@@ -232,7 +232,7 @@ impl ObjectsBench {
         pieces
     }
 
-    /// EG-LSTM and what it is compared with, of the third part.
+    /// Scores EG-LSTM and its rivals on the third part.
     fn estimated(&self, number: usize, group: ObjectGroup, parts: &[Vec<&ObjectMove>]) -> Vec<ObjectPiece> {
         let mut chance = Stream::new(self.course.seed, LEARNING, (number * 100 + 99) as u64);
         let estimate = learn_estimate(&parts[0], &mut chance);
@@ -268,7 +268,7 @@ impl ObjectsBench {
     }
 }
 
-/// A net's probabilities of a movement.
+/// Adds a net's probabilities for a movement to a tally.
 fn add(m: &ObjectMove, by_frame: &[Vec<f64>], tally: &mut ObjectTally) {
     by_frame.iter().enumerate().for_each(|(frame, p)| tally.add(m, frame, p));
 }

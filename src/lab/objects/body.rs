@@ -1,17 +1,17 @@
-//! What is seen of a person among objects, and what is known of the person beside each object.
+//! What is seen of a person among objects, and features of the person relative to each object.
 //!
 //! Main types: [`ObjectTable`] (which published experiment), [`BodyFrame`], [`ObjectMove`] (the last three seconds of
 //! one movement); main constant: [`FEATURES`], the eleven features of the thesis' Table 5.1: distances in metres from a
-//! joint to the object, and lengths, from 0 to 2, of the difference between a joint's unit vector and that of the way
-//! from it to the object. Refuses: to name places, so that nothing can be learned about a room.
+//! joint to the object, and lengths, from 0 to 2, of the difference between a joint's unit vector and that of the
+//! direction from it to the object. Refuses: to name places, so that nothing can be learned about a room.
 
 use giveway_people::reach::{ArmPoint, ArmVector};
 
 /// Frames per second.
 pub const HZ: f64 = 120.0;
-/// Frames of each movement that count: the last three seconds.
+/// Number of frames of each movement that count: the last three seconds.
 pub const FRAMES: usize = 360;
-/// Words of the features. The first three were selected in the thesis.
+/// Names of the features. The first three were selected in the thesis.
 pub const FEATURES: [&str; 11] = [
     "hand_distance",
     "head_direction",
@@ -26,7 +26,7 @@ pub const FEATURES: [&str; 11] = [
     "torso_direction",
 ];
 
-/// Where the features of Table 5.3 are: hand and head only.
+/// Indices of the features of Table 5.3: hand and head only.
 pub const HAND_AND_HEAD: [usize; 4] = [0, 1, 3, 4];
 /// Index of the distance from the hand.
 pub const HAND: usize = 0;
@@ -45,10 +45,10 @@ pub enum ObjectTable {
 }
 
 impl ObjectTable {
-    /// Both.
+    /// Both experiments.
     pub const ALL: [ObjectTable; 2] = [ObjectTable::Shelves, ObjectTable::Tables];
 
-    /// Its number in the thesis.
+    /// The table's number in the thesis.
     pub fn word(self) -> &'static str {
         match self {
             ObjectTable::Shelves => "5.2",
@@ -56,7 +56,7 @@ impl ObjectTable {
         }
     }
 
-    /// Objects in the room.
+    /// Number of objects in the room.
     pub fn objects(self) -> usize {
         match self {
             ObjectTable::Shelves => 10,
@@ -64,7 +64,7 @@ impl ObjectTable {
         }
     }
 
-    /// Parts into which a person's movements are divided.
+    /// Number of parts into which a person's movements are divided.
     pub fn folds(self) -> usize {
         match self {
             ObjectTable::Shelves => 5,
@@ -73,18 +73,18 @@ impl ObjectTable {
     }
 }
 
-/// What is seen of a person in one frame: places in metres, directions as unit vectors, all in the room's frame.
+/// A person in one frame: positions in metres, directions as unit vectors, all in the room's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyFrame {
-    /// The palm of the right hand, and the direction of the forearm.
+    /// Position of the right palm, and direction of the forearm.
     pub hand: (ArmPoint, ArmVector),
-    /// The head, and where it faces.
+    /// Position of the head, and where it faces.
     pub head: (ArmPoint, ArmVector),
-    /// Between the shoulders, and where they face.
+    /// Position between the shoulders, and where they face.
     pub shoulders: (ArmPoint, ArmVector),
-    /// The pelvis, and where it faces.
+    /// Position of the pelvis, and where it faces.
     pub pelvis: (ArmPoint, ArmVector),
-    /// The middle of the back, and where it faces.
+    /// Position of the middle of the back, and where it faces.
     pub torso: (ArmPoint, ArmVector),
     /// Direction of the eyes.
     pub gaze: ArmVector,
@@ -93,20 +93,20 @@ pub struct BodyFrame {
 /// The last [`FRAMES`] frames of a movement that ends with a hand at an object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectMove {
-    /// Who moved.
+    /// Number of the person.
     pub person: usize,
-    /// In order of time.
+    /// Frames in order of time.
     pub frames: Vec<BodyFrame>,
-    /// Where the objects are.
+    /// Positions of the objects.
     pub objects: Vec<ArmPoint>,
-    /// The object that the hand goes to.
+    /// Index of the object that the hand goes to.
     pub right: usize,
     /// All [`FEATURES`] by frame, then by object.
     pub figures: Vec<f32>,
 }
 
 impl ObjectMove {
-    /// Figures of one object in one frame.
+    /// Features of one object in one frame.
     pub fn figures_at(&self, frame: usize, object: usize) -> &[f32] {
         let at = (frame * self.objects.len() + object) * FEATURES.len();
         &self.figures[at..at + FEATURES.len()]

@@ -1,44 +1,44 @@
-//! An object that comes, goes and comes again while a person is on the way to it (thesis, Figure 5.8).
+//! An object that appears, disappears and reappears while a person is on the way to it (thesis, Figure 5.8).
 //!
-//! Main types: [`ChangeTrace`], [`ChangeFigures`]; main function: [`changed_goal`]. Corrected: an object that is new
-//! replays its own last frames instead of taking over the state of a neighbour. Refuses: nets for a fixed number of
-//! objects.
+//! Main types: [`ChangeTrace`], [`ChangeFigures`]; main function: [`changed_goal`]. Corrected: a new object replays its
+//! own last frames instead of taking over the state of a neighbour. Refuses: nets for a fixed number of objects.
 
 use super::body::{FRAMES, ObjectMove};
 use super::nets::{ObjectNet, ObjectWatch};
 use super::score::best_of;
 
-/// Frames in which the right object comes, goes and comes again.
+/// Frames in which the right object appears, disappears and reappears.
 pub const CHANGES: [usize; 3] = [100, 180, 220];
-/// Probabilities that differ by less agree.
+/// Probabilities that differ by less than this agree.
 const AGREES: f64 = 0.05;
 
 /// Probabilities of the right object in every frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChangeTrace {
-    /// If all objects are there from the beginning.
+    /// Probabilities if all objects are there from the beginning.
     pub unchanged: Vec<f64>,
-    /// If the right object comes at 100, goes at 180 and comes again at 220; nothing while it is away.
+    /// Probabilities if the right object appears at 100, disappears at 180 and reappears at 220; nothing while it is
+    /// away.
     pub changed: Vec<Option<f64>>,
-    /// Frames in which it is there and the most probable.
+    /// Frames in which the right object is there and the most probable.
     pub is_first: Vec<bool>,
 }
 
-/// What became of many movements.
+/// Figures over many movements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChangeFigures {
-    /// Movements.
+    /// Number of movements.
     pub movements: usize,
     /// Share in which the right object is the most probable in the last frame, all objects there from the beginning.
     pub first_at_end: f64,
-    /// The same, with the changes.
+    /// The share of `first_at_end` with the changes.
     pub first_at_end_changed: f64,
-    /// Mean number of frames after the object came the first and the second time until its probability agrees within
-    /// 0.05 with what it is without changes.
+    /// Mean number of frames after the object's first and second appearance until its probability agrees within 0.05
+    /// with that without changes.
     pub agrees_after: [f64; 2],
 }
 
-/// Runs a net over a movement with and without the changes; nothing if the net cannot do without an object.
+/// Runs a net over a movement with and without the changes; nothing if the net cannot drop an object.
 pub fn changed_goal(net: &ObjectNet, m: &ObjectMove) -> Option<ChangeTrace> {
     let others: Vec<_> = (0..m.objects.len()).filter(|i| *i != m.right).map(|i| m.objects[i]).collect();
     let mut whole = ObjectWatch::new(net, &m.objects);
@@ -64,7 +64,7 @@ pub fn changed_goal(net: &ObjectNet, m: &ObjectMove) -> Option<ChangeTrace> {
 }
 
 impl ChangeTrace {
-    /// Frames from `change` on until the object is judged as without changes.
+    /// Number of frames from `change` until the object's probability is as without changes.
     fn agrees_after(&self, change: usize) -> usize {
         let agrees = |k: &usize| self.changed[*k].is_some_and(|p| (p - self.unchanged[*k]).abs() < AGREES);
         (change..FRAMES).find(agrees).unwrap_or(FRAMES) - change
@@ -72,7 +72,7 @@ impl ChangeTrace {
 }
 
 impl ChangeFigures {
-    /// Of movements that the net did not learn from.
+    /// Figures from movements that the net did not learn from.
     pub fn of(net: &ObjectNet, moves: &[&ObjectMove]) -> ChangeFigures {
         let traces: Vec<(ChangeTrace, bool)> = (moves.iter())
             .filter_map(|m| {

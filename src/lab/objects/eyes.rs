@@ -7,28 +7,28 @@
 use giveway_people::reach::ArmPoint;
 use giveway_sim::random::Stream;
 
-/// Over so many seconds a head follows the eyes.
+/// Time in which a head follows the eyes, seconds.
 const HEAD_TAKES_S: f64 = 0.25;
-/// A head turns no farther than this from where the body faces, radians.
+/// Greatest turn of a head from where the body faces, radians.
 const HEAD_MOST: f64 = 1.2;
 
-/// What a person's eyes do.
+/// Habits of a person's eyes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EyeHabits {
     /// Share of fixations on the way that are at the object.
     pub at_object: f64,
-    /// Share of the others that are at further objects and not on the way ahead.
+    /// Share of the other fixations that are at further objects instead of the way ahead.
     pub at_others: f64,
     /// Probability of a glance elsewhere while the hand reaches.
     pub wanders: f64,
-    /// What the eye tracker adds to yaw and pitch, radians.
+    /// Bias of the eye tracker in yaw and pitch, radians.
     pub bias: (f64, f64),
-    /// And what it adds to every frame: standard deviation, radians.
+    /// Noise of the eye tracker in every frame: standard deviation, radians.
     pub noise: f64,
 }
 
 impl EyeHabits {
-    /// Any person's.
+    /// Habits of a random person.
     pub fn any(wanders: f64, chance: &mut Stream) -> EyeHabits {
         EyeHabits {
             at_object: chance.between(0.05, 0.35),
@@ -40,7 +40,7 @@ impl EyeHabits {
     }
 }
 
-/// What eyes are at.
+/// Target of the eyes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EyeTarget {
     /// An object, by its number.
@@ -49,16 +49,16 @@ pub enum EyeTarget {
     Ahead,
 }
 
-/// The times of a movement that eyes keep to, seconds.
+/// Times of a movement that the eyes follow, seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EyeTimes {
-    /// First fixation.
+    /// Time of the first fixation.
     pub from_s: f64,
-    /// The body sets out.
+    /// When the body sets out.
     pub leaves_s: f64,
-    /// The hand begins to move.
+    /// When the hand begins to move.
     pub reaches_s: f64,
-    /// The hand is there.
+    /// When the hand arrives.
     pub ends_s: f64,
 }
 
@@ -69,7 +69,7 @@ pub struct EyePath {
 }
 
 impl EyePath {
-    /// Fixations on the way to object `right` of these.
+    /// Fixations on the way to object number `right` of `objects`.
     pub fn new(
         habits: &EyeHabits,
         objects: &[ArmPoint],
@@ -117,14 +117,14 @@ impl EyePath {
         path
     }
 
-    /// What the eyes are at.
+    /// The target of the eyes at a time.
     pub fn at(&self, t_s: f64) -> EyeTarget {
         let fixation = self.fixations.iter().find(|f| t_s < f.0);
         fixation.map_or(EyeTarget::Ahead, |f| f.1)
     }
 }
 
-/// The head's yaw and pitch, relative to the body, a step after `now`: on the way to a share of where the eyes look.
+/// The head's yaw and pitch relative to the body, a step after `now`: it approaches a share of the eyes' direction.
 pub fn head_after(now: (f64, f64), eyes: (f64, f64), shares: (f64, f64), step_s: f64) -> (f64, f64) {
     let follow = 1.0 - libm::exp(-step_s / HEAD_TAKES_S);
     let to =

@@ -1,6 +1,6 @@
-//! One frame of a net at run time, for whoever has a clock.
+//! One frame of a net at run time, for a caller with a clock.
 //!
-//! Main type: [`FrameBench`]. Weights are random: what a frame costs does not depend on them. Refuses: a clock.
+//! Main type: [`FrameBench`]. Weights are random: the cost of a frame does not depend on them. Refuses: a clock.
 
 use super::body::{ObjectMove, ObjectTable};
 use super::nets::{ObjectNet, ObjectWatch, random_net};
@@ -16,7 +16,7 @@ pub struct FrameBench<'a> {
 }
 
 impl<'a> FrameBench<'a> {
-    /// A variant with so large a state beside the objects of a movement.
+    /// A variant with a state of this size, and the objects of a movement.
     pub fn new(
         table: ObjectTable,
         variant: PlaceVariant,
@@ -28,7 +28,7 @@ impl<'a> FrameBench<'a> {
         FrameBench { net, movement }
     }
 
-    /// Milliseconds per frame by a clock that tells nanoseconds: features, one step beside every object, and
+    /// Milliseconds per frame by a clock that gives nanoseconds: features, one step for every object, and
     /// probabilities; the mean over the movement.
     pub fn frame_ms(&self, clock: impl Fn() -> u64) -> f64 {
         let mut watch = ObjectWatch::new(&self.net, &self.movement.objects);

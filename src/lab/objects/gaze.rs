@@ -1,17 +1,17 @@
-//! EG-LSTM: eyes that are not measured are estimated from head and hand (thesis, section 5.2.3).
+//! EG-LSTM: gaze that is not measured is estimated from head and hand (thesis, section 5.2.3).
 //!
 //! Main functions: [`learn_estimate`], [`with_estimated_gaze`]. The first of three parts of the movements has measured
-//! eyes, from which the estimate is learned; in the second and the third they are estimated. The second teaches the
-//! nets, the third judges them. Refuses: to call what it estimates eyes.
+//! eyes, from which the estimate is learned; in the second and the third they are estimated. The second trains the
+//! nets, the third scores them. Refuses: to call its estimates eyes.
 
 use super::body::{BodyFrame, ObjectMove, features};
 use crate::learning::picks::{Perceptron, learn_gaze_from};
 use giveway_people::reach::ArmVector;
 use giveway_sim::random::Stream;
 
-/// Numbers that the estimate sees: place of the hand and direction of the head, in the room's frame.
+/// Number of inputs of the estimate: position of the hand and direction of the head, in the room's frame.
 const SEEN: usize = 6;
-/// Of every so many frames one is learned from.
+/// One of this many frames is learned from.
 const EVERY: usize = 10;
 
 fn seen(frame: &BodyFrame) -> [f32; SEEN] {
@@ -27,7 +27,7 @@ pub fn learn_estimate(moves: &[&ObjectMove], chance: &mut Stream) -> Perceptron 
     learn_gaze_from(SEEN, &x, &y, chance)
 }
 
-/// The movement as it is known without an eye tracker.
+/// The movement as known without an eye tracker.
 pub fn with_estimated_gaze(estimate: &Perceptron, m: &ObjectMove) -> ObjectMove {
     let x: Vec<f32> = m.frames.iter().flat_map(seen).collect();
     let said = estimate.apply(&x);
@@ -40,7 +40,7 @@ pub fn with_estimated_gaze(estimate: &Perceptron, m: &ObjectMove) -> ObjectMove 
     ObjectMove { frames, figures, objects: m.objects.clone(), ..*m }
 }
 
-/// Angles between measured eyes and other directions of the same frames, degrees, of every tenth frame.
+/// Angles between measured eyes and another direction of the same frames, degrees, of every tenth frame.
 pub fn degrees(m: &ObjectMove, other: impl Fn(usize) -> ArmVector) -> Vec<f64> {
     let angle = |i: usize| libm::acos(m.frames[i].gaze.dot(&other(i)).clamp(-1.0, 1.0)).to_degrees();
     (0..m.frames.len()).step_by(EVERY).map(angle).collect()

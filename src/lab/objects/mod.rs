@@ -1,8 +1,8 @@
-//! Simulated people who fetch objects: the thesis' tables of predictors that tell which one (Petković 2021, chapter 5).
+//! Simulated people who fetch objects: the thesis' tables of predictors of the object (Petković 2021, chapter 5).
 //!
 //! Main types: [`ObjectsBench`] (the people and the work), [`ObjectsReport`] (all figures), [`FeatureStudy`] (Table
 //! 5.1). MoGaze and SubMotion are not here: rooms, walks, eyes and heads are simulated, arms are those of simulated
-//! pickers. Refuses: to read clocks; whoever times a frame brings one.
+//! pickers. Refuses: to read clocks; a caller that times a frame brings one.
 
 mod bench;
 mod body;

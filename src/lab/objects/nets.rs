@@ -1,9 +1,9 @@
-//! The published nets on simulated people: learned, asked about every frame, and run with objects that come and go.
+//! The published nets on simulated people: trained, evaluated in every frame, and run with objects that come and go.
 //!
-//! Main types: [`FeatureChoice`] (which features a net is shown), [`ObjectNet`], [`ObjectWatch`] (a net at run time);
-//! main function: [`learn_net`]. A state steps every tenth frame, at the 12 Hz that the thesis aimed at; ten states,
-//! each a frame later than the one before it, step in turn. So there is an answer in every frame, and the memory spans
-//! the whole movement instead of the published 20 frames. Refuses: frames of the movements that it is judged by.
+//! Main types: [`FeatureChoice`] (the features of a net), [`ObjectNet`], [`ObjectWatch`] (a net at run time); main
+//! function: [`learn_net`]. A state steps every tenth frame, at the 12 Hz that the thesis aimed at; ten states, each a
+//! frame later than the one before it, step in turn. So there is an answer in every frame, and the memory spans the
+//! whole movement instead of the published 20 frames. Refuses: frames of the movements that it is judged by.
 
 use super::body::{BodyFrame, FRAMES, ObjectMove, features};
 use crate::learning::picks::{PlaceBatch, PlaceCourse, PlaceShape, PlaceVariant, batch_scores, teach_places};
@@ -13,34 +13,34 @@ use giveway_people::reach::places::{PlaceNet, PlaceState};
 use giveway_sim::random::Stream;
 use std::collections::VecDeque;
 
-/// Frames between two steps of one state.
+/// Number of frames between two steps of one state.
 const STRIDE: usize = 10;
-/// Steps of one state in a movement.
+/// Number of steps of one state in a movement.
 const STEPS: usize = FRAMES / STRIDE;
-/// Frames that an object replays that was added: two seconds.
+/// Number of frames that a newly added object replays: two seconds.
 const REPLAYED: usize = 240;
 
-/// Which features a net is shown.
+/// The features of a net.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FeatureChoice {
-    /// Their numbers; those that were selected come first.
+    /// Indices of the features; the selected ones come first.
     pub columns: Vec<usize>,
-    /// How many were selected.
+    /// Number of selected features.
     pub selected: usize,
     /// Width of the narrow layer of `mlp`.
     pub narrow: usize,
 }
 
-/// A net with what makes its figures of features.
+/// A net, with the scaling of features to its inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectNet {
     net: PlaceNet,
     columns: Vec<usize>,
-    /// One over the mean of each feature in what was learned from.
+    /// For each feature, one over its mean in the training data.
     scale: Vec<f32>,
 }
 
-/// A net with random weights, for so many objects.
+/// A net with random weights, for this number of objects.
 pub fn random_net(
     variant: PlaceVariant,
     sight: &FeatureChoice,
@@ -55,7 +55,7 @@ pub fn random_net(
     ObjectNet { scale: vec![1.0; columns.len()], net, columns }
 }
 
-/// Learns a variant from movements among equally many objects.
+/// Trains a variant on movements among equal numbers of objects.
 pub fn learn_net(
     variant: PlaceVariant,
     sight: &FeatureChoice,
@@ -88,7 +88,7 @@ fn mean_of(moves: &[&ObjectMove], column: usize) -> f32 {
 }
 
 impl ObjectNet {
-    /// Movements, each from one of its first frames on, as the net sees them.
+    /// The net's input for movements, each from one of its first frames on.
     fn batch(&self, shown: &[(&ObjectMove, usize)]) -> PlaceBatch {
         let (places, width) = (shown[0].0.objects.len(), self.columns.len());
         let mut figures = Vec::with_capacity(STEPS * shown.len() * places * width);
@@ -127,7 +127,7 @@ impl ObjectNet {
             softmax(&mut p);
             p
         };
-        // By step, then by first frame: in order of time.
+        // Ordered by step, then by first frame: in order of time.
         scores.chunks_exact(m.objects.len()).map(softened).collect()
     }
 }
@@ -146,7 +146,7 @@ pub struct ObjectWatch<'a> {
 }
 
 impl<'a> ObjectWatch<'a> {
-    /// Nothing was seen yet.
+    /// A watch before the first frame.
     pub fn new(net: &'a ObjectNet, objects: &[ArmPoint]) -> ObjectWatch<'a> {
         let nets = objects.len() / net.net.group;
         ObjectWatch {
@@ -160,7 +160,7 @@ impl<'a> ObjectWatch<'a> {
         }
     }
 
-    /// One frame.
+    /// Processes one frame.
     pub fn observe(&mut self, frame: &BodyFrame) {
         let phase = self.seen % STRIDE;
         let group = self.net.net.group;
@@ -177,7 +177,7 @@ impl<'a> ObjectWatch<'a> {
         self.seen += 1;
     }
 
-    /// An object that is new: the last frames are replayed beside it. Only nets with shared weights take one.
+    /// Adds an object: the last frames are replayed for it. Only nets with shared weights can; gives whether it did.
     pub fn add(&mut self, object: ArmPoint) -> bool {
         if self.net.net.group != 1 {
             return false;
@@ -195,7 +195,7 @@ impl<'a> ObjectWatch<'a> {
         true
     }
 
-    /// Takes an object away. Only nets with shared weights let one go.
+    /// Removes an object. Only nets with shared weights can; gives whether it did.
     pub fn remove(&mut self, object: usize) -> bool {
         let is_there = self.net.net.group == 1 && object < self.objects.len();
         if is_there {

@@ -1,7 +1,7 @@
-//! Simulated people who fetch objects, seen whole and 120 times a second, as a motion capture suit and an eye tracker
-//! see them.
+//! Simulated people who fetch objects, with the whole body 120 times a second, as a motion capture suit and an eye
+//! tracker see it.
 //!
-//! Main function: [`moves_of`]. Walks, eyes and heads are this module's, reaching arms are those of simulated pickers.
+//! Main function: [`moves_of`]. Walks, eyes and heads are simulated here, reaching arms are those of simulated pickers.
 //! Refuses: recorded people, of whom there are none here.
 
 use super::body::{BodyFrame, FRAMES, HZ, ObjectMove, ObjectTable, features};
@@ -13,9 +13,9 @@ use giveway_people::reach::{ArmPoint, ArmVector, ReachTarget};
 use giveway_sim::picker::motion::{ArmBuild, ArmReach};
 use giveway_sim::random::Stream;
 
-/// Frames before those that count, in which head and eyes come to be where they are.
+/// Number of frames before those that count, in which head and eyes settle.
 const BEFORE: usize = 120;
-/// What motion capture adds to places (metres) and to directions (radians): standard deviations.
+/// Noise of motion capture in positions (metres) and directions (radians): standard deviation.
 const CAPTURE_NOISE: f64 = 0.003;
 const DIRECTION_NOISE: f64 = 0.01;
 
@@ -34,12 +34,12 @@ pub fn moves_of(table: ObjectTable, person: usize, movements: usize, seed: u64) 
         ObjectTable::Shelves => PickRoom::shelves(&mut chance),
         ObjectTable::Tables => PickRoom::tables(&mut chance),
     };
-    // Where each object is, and behind them the spots that are free.
+    // The spots of the objects, followed by the free spots.
     let mut spots: Vec<usize> = (0..room.spots.len()).collect();
     shuffle(&mut spots, &mut chance);
     let count = table.objects();
     let mut stance = room.start.unwrap_or(room.spots[spots[count - 1]].stance);
-    // The place at which the person stands.
+    // The place that the person stands at.
     let mut here: Option<usize> = None;
     let (mut moves, mut queue): (Vec<ObjectMove>, Vec<usize>) = (Vec::new(), Vec::new());
     while moves.len() < movements {
@@ -64,7 +64,7 @@ pub fn moves_of(table: ObjectTable, person: usize, movements: usize, seed: u64) 
         if let Some(start) = room.start {
             stance = start;
         } else {
-            // The object is put down elsewhere.
+            // The object is put down in another spot.
             let free = count + chance.below(spots.len() - count);
             spots.swap(right, free);
             let put = &room.spots[spots[right]];
@@ -81,7 +81,7 @@ fn shuffle(list: &mut [usize], chance: &mut Stream) {
 }
 
 impl RoomPerson {
-    /// One movement to an object.
+    /// Simulates one movement to an object.
     fn fetch(
         &self,
         room: &PickRoom,
@@ -131,7 +131,7 @@ impl RoomPerson {
         frames
     }
 
-    /// The whole body as it is measured.
+    /// The whole body as measured.
     fn seen(&self, body: &Stance, sight: &BodyInstant, chance: &mut Stream) -> BodyFrame {
         let left = ArmPoint::new(self.build.shoulder.x, -self.build.shoulder.y, self.build.shoulder.z);
         let middle = left + (sight.shoulder - left) * 0.5;
@@ -160,7 +160,7 @@ impl RoomPerson {
     }
 }
 
-/// One instant in the body's frame.
+/// Head, eyes and arm at one instant in the body's frame.
 struct BodyInstant {
     head: (f64, f64),
     eye: (f64, f64),
@@ -169,21 +169,21 @@ struct BodyInstant {
     at: ArmPoint,
 }
 
-/// A point of the room as the body has it: x ahead of it, y to its left.
+/// A point of the room in the body's frame: x ahead of it, y to its left.
 fn in_body(body: &Stance, at: ArmPoint) -> ArmPoint {
     let (sin, cos) = (libm::sin(body.heading), libm::cos(body.heading));
     let (x, y) = (at.x - body.x, at.y - body.y);
     ArmPoint::new(cos * x + sin * y, cos * y - sin * x, at.z)
 }
 
-/// A direction of the body in the room.
+/// A direction of the body's frame in the room.
 fn turned(body: &Stance, along: ArmVector) -> ArmVector {
     let heading = wrapped(body.heading);
     let (sin, cos) = (libm::sin(heading), libm::cos(heading));
     ArmVector::new(cos * along.x - sin * along.y, sin * along.x + cos * along.y, along.z)
 }
 
-/// A point of the body in the room.
+/// A point of the body's frame in the room.
 fn in_room(body: &Stance, at: ArmPoint) -> ArmPoint {
     ArmPoint::new(body.x, body.y, 0.0) + turned(body, at.coords)
 }

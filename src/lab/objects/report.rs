@@ -1,6 +1,6 @@
-//! Pieces of work put together: figures of every row, deviations between people, and differences of rows.
+//! Pieces of work merged: figures of every row, deviations between people, and differences of rows.
 //!
-//! Main types: [`ObjectsReport`], [`GroupReport`]. Refuses: differences of rows that were not judged by the same
+//! Main types: [`ObjectsReport`], [`GroupReport`]. Refuses: differences of rows that were not scored on the same
 //! people.
 
 use super::bench::{ObjectGroup, ObjectPiece};
@@ -13,18 +13,18 @@ use std::collections::BTreeMap;
 /// One row of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowReport {
-    /// Its word.
+    /// The word of the row.
     pub word: &'static str,
-    /// Over all movements.
+    /// Score over all movements.
     pub score: ObjectScore,
-    /// Standard deviations between people of both means.
+    /// Standard deviations of both means between people.
     pub sd: (Option<f64>, Option<f64>),
-    /// Share of right answers in each half second of the last three, from the earliest on.
+    /// Share of right answers in each half second of the last three seconds, from the earliest on.
     pub halves: [f64; 6],
     people: Vec<ObjectScore>,
 }
 
-/// Rows that were judged by the same movements.
+/// Rows that were scored on the same movements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupReport {
     /// Rows in their order.
@@ -35,15 +35,15 @@ pub struct GroupReport {
     pub degrees: Option<[(f64, f64); 2]>,
 }
 
-/// Everything.
+/// The whole report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectsReport {
-    /// By group.
+    /// Reports by group.
     pub groups: BTreeMap<ObjectGroup, GroupReport>,
 }
 
 impl ObjectsReport {
-    /// Of all pieces, in the order of their work.
+    /// The report of all pieces, in the order of their work.
     pub fn of(pieces: Vec<ObjectPiece>) -> ObjectsReport {
         let mut by_group: BTreeMap<ObjectGroup, Vec<ObjectPiece>> = BTreeMap::new();
         for piece in pieces {

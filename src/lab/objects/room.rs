@@ -6,12 +6,12 @@
 use giveway_people::reach::ArmPoint;
 use giveway_sim::random::Stream;
 
-/// Where a person stands, and where the body faces.
+/// A person's standing position, and where the body faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stance {
-    /// Metres.
+    /// Position along x, metres.
     pub x: f64,
-    /// Metres.
+    /// Position along y, metres.
     pub y: f64,
     /// Direction the body faces, radians from x towards y.
     pub heading: f64,
@@ -22,31 +22,31 @@ pub struct Stance {
 pub struct RoomSpot {
     /// Number of the shelf or table.
     pub place: usize,
-    /// Where the object is.
+    /// Position of the object.
     pub at: ArmPoint,
-    /// Where a person stands who reaches for it.
+    /// Stance of a person who reaches for it.
     pub stance: Stance,
 }
 
-/// A room with places on which objects lie.
+/// A room with places for objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PickRoom {
     /// All spots.
     pub spots: Vec<RoomSpot>,
     /// Where a person waits for instructions, if the room has such a point.
     pub start: Option<Stance>,
-    /// Whether something in the middle of the room must be walked round.
+    /// Whether people must walk round something in the middle of the room.
     pub has_obstacle: bool,
 }
 
-/// A shelf or table: a person before its middle stands at `foot`, and its spots are from there so far ahead, so far
-/// to the left and so high.
+/// A shelf or table: a person before its middle stands at `foot`; its spots are given from there as metres ahead, to
+/// the left and up.
 struct RoomPlace {
     foot: Stance,
     spots: Vec<(f64, f64, f64)>,
 }
 
-/// Rows of spots: all heights or depths with all places beside one another.
+/// A grid of spots: all heights or depths combined with all lateral positions.
 fn grid(ahead: &[f64], left: &[f64], up: &[f64]) -> Vec<(f64, f64, f64)> {
     let mut spots = Vec::new();
     for a in ahead {
@@ -80,7 +80,7 @@ impl PickRoom {
     }
 }
 
-/// The spots of all places. People do not stand quite alike, and objects do not lie in straight rows.
+/// The spots of all places. People vary in where they stand, and objects do not lie in straight rows.
 fn spots_of(places: &[RoomPlace], chance: &mut Stream) -> Vec<RoomSpot> {
     let mut all = Vec::new();
     for (place, RoomPlace { foot, spots }) in places.iter().enumerate() {

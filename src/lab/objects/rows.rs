@@ -1,4 +1,4 @@
-//! The rows of the thesis' Tables 5.2 and 5.3, with what is printed there.
+//! The rows of the thesis' Tables 5.2 and 5.3, with the printed figures.
 //!
 //! Main types: [`ObjectRow`], [`RowKind`]; main functions: [`rows_of`], [`choice_of`]. Refuses: a row without a word.
 
@@ -6,14 +6,14 @@ use super::body::{FEATURES, GAZE, HAND, HAND_AND_HEAD, HEAD, ObjectTable};
 use super::nets::FeatureChoice;
 use crate::learning::picks::PlaceVariant;
 
-/// What a row's predictor is.
+/// The kind of predictor of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowKind {
     /// The inverse of one feature.
     Rule(usize),
-    /// The same feature with a sharpness from movements that are learned from; not in the thesis.
+    /// The same feature with a sharpness fitted on the training movements; not in the thesis.
     Sharpened(usize),
-    /// A net with so large a state.
+    /// A net with a state of this size.
     Net(PlaceVariant, usize),
     /// The net `mlp` with a narrow layer of this width.
     Narrow(usize),
@@ -21,23 +21,23 @@ pub enum RowKind {
     Enhanced,
 }
 
-/// One row.
+/// One row of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectRow {
-    /// Its word in tables.
+    /// The row's word in tables.
     pub word: &'static str,
-    /// What it is.
+    /// The row's predictor.
     pub kind: RowKind,
-    /// Printed in the thesis: area under the curve and error, both as sums; nothing where it has no such row.
+    /// Printed in the thesis: area under the curve and error, both as sums; nothing if it has no such row.
     pub published: Option<(f64, f64)>,
-    /// Printed: milliseconds per frame, and the size of the state they are for.
+    /// Printed in the thesis: milliseconds per frame, and the size of the state they apply to.
     pub published_ms: Option<(f64, usize)>,
 }
 
-/// State of nets with shared weights on simulated people: smaller than the published 128 and 32, for two slow cores.
+/// Size of the state of nets with shared weights: smaller than the published 128 and 32, for two slow cores.
 pub const SHARED: usize = 16;
 
-/// The rows of a table, in its order; rows that the thesis has not come last.
+/// The rows of a table, in its order; rows that the thesis lacks come last.
 pub fn rows_of(table: ObjectTable) -> Vec<ObjectRow> {
     use PlaceVariant::{All, Full, Lstm, Mlp, Rnn};
     let rule = |word, feature, auc, error| ObjectRow {
@@ -82,7 +82,7 @@ pub fn rows_of(table: ObjectTable) -> Vec<ObjectRow> {
     }
 }
 
-/// What the nets of a table are shown: eyes, hand and head of the whole body, or hand and head alone.
+/// The features of a table's nets: eyes, hand and head of the whole body, or hand and head alone.
 pub fn choice_of(table: ObjectTable) -> FeatureChoice {
     match table {
         ObjectTable::Shelves => {
@@ -92,7 +92,7 @@ pub fn choice_of(table: ObjectTable) -> FeatureChoice {
     }
 }
 
-/// Pairs of rows whose differences are told, where both are there.
+/// Pairs of rows whose differences are reported if both exist.
 pub const PAIRS: [(&str, &str); 11] = [
     ("lstm", "rnn"),
     ("lstm", "mlp"),

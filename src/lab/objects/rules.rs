@@ -1,17 +1,17 @@
-//! Rules on one feature, which learn nothing or one number.
+//! Rules on one feature, with no or one fitted number.
 //!
-//! Main functions: [`inverse`] (as published), [`sharpness_of`] and [`sharpened`] (with one number from movements that
-//! are learned from), [`enhanced`] (a net overruled by eyes). Refuses: memory.
+//! Main functions: [`inverse`] (as published), [`sharpness_of`] and [`sharpened`] (with one number from the training
+//! movements), [`enhanced`] (a net overruled by eyes). Refuses: memory.
 
 use super::body::{FRAMES, GAZE, ObjectMove};
 use super::score::{ObjectTally, best_of};
 use giveway_people::reach::net::squash::softmax;
 
-/// Sharpnesses that are tried.
+/// Values of sharpness to try.
 const SHARPNESSES: [f64; 10] = [1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 18.0, 27.0, 40.0, 60.0];
-/// Every so many frames one is enough to choose a sharpness.
+/// One of this many frames is enough to choose a sharpness.
 const EVERY: usize = 10;
-/// A net that is surer than this is not overruled (section 5.4.1).
+/// A net with a higher probability than this is not overruled (section 5.4.1).
 const SURE: f64 = 0.49;
 /// Eyes within this of an object are at it (section 5.4.1).
 const AT_IT: f64 = 0.2;
@@ -36,7 +36,7 @@ fn softened(m: &ObjectMove, frame: usize, feature: usize, sharpness: f64) -> Vec
     p
 }
 
-/// The sharpness that makes a feature most likely on these movements.
+/// The sharpness with the highest likelihood for these movements.
 pub fn sharpness_of(moves: &[&ObjectMove], feature: usize) -> f64 {
     let surprise = |sharpness: f64| -> f64 {
         let of = |m: &&ObjectMove| -> f64 {
@@ -54,7 +54,7 @@ pub fn sharpened(m: &ObjectMove, feature: usize, sharpness: f64, tally: &mut Obj
     (0..FRAMES).for_each(|frame| tally.add(m, frame, &softened(m, frame, feature, sharpness)));
 }
 
-/// A net's probabilities by frame, overruled where it is unsure and the eyes are at an object (*Enhanced LSTM*).
+/// A net's probabilities by frame, overruled if it is unsure and the eyes are at an object (*Enhanced LSTM*).
 pub fn enhanced(m: &ObjectMove, by_frame: &[Vec<f64>], tally: &mut ObjectTally) {
     for (frame, p) in by_frame.iter().enumerate() {
         let gaze: Vec<f64> = figures(m, frame, GAZE).map(|f| -f).collect();

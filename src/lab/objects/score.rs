@@ -1,4 +1,4 @@
-//! How well the object is told in the last three seconds: area under the curve and error of the expected location.
+//! How well the object is predicted in the last three seconds: area under the curve and error of the expected location.
 //!
 //! Main types: [`ObjectTally`], [`ObjectScore`]. Both are given as the sums over 360 frames that the thesis prints and
 //! as means. Refuses: movements of another length.
@@ -9,11 +9,11 @@ use giveway_people::reach::ArmVector;
 /// Sums over movements, by frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectTally {
-    /// Movements in which the right object was the most probable.
+    /// Number of movements whose right object was the most probable.
     right: Vec<f64>,
-    /// Normalised errors of the expected location.
+    /// Sums of the normalised errors of the expected location.
     error: Vec<f64>,
-    /// Movements.
+    /// Number of movements.
     count: Vec<f64>,
 }
 
@@ -26,32 +26,32 @@ impl Default for ObjectTally {
 /// The figures of one predictor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectScore {
-    /// Share of right answers, mean over frames.
+    /// Share of right answers, averaged over frames.
     pub auc_mean: f64,
     /// Expected distance from the right object in mean distances of all objects (equation 5.1), mean over frames.
     pub error_mean: f64,
 }
 
 impl ObjectScore {
-    /// As the thesis prints it: the sum over frames of the share of right answers, from 0 to 360.
+    /// The sum over frames of the share of right answers, from 0 to 360, as the thesis prints it.
     pub fn auc_sum(&self) -> f64 {
         self.auc_mean * FRAMES as f64
     }
 
-    /// As the thesis prints it: the sum over frames of the errors.
+    /// The sum over frames of the errors, as the thesis prints it.
     pub fn error_sum(&self) -> f64 {
         self.error_mean * FRAMES as f64
     }
 }
 
-/// The first of the largest numbers.
+/// The index of the first of the largest numbers.
 pub(super) fn best_of(scores: &[f64]) -> usize {
     let larger = |best: usize, i: usize| if scores[i] > scores[best] { i } else { best };
     (0..scores.len()).fold(0, larger)
 }
 
 impl ObjectTally {
-    /// One frame of a movement with the probabilities of its objects.
+    /// Adds one frame of a movement with the probabilities of its objects.
     pub fn add(&mut self, m: &ObjectMove, frame: usize, probabilities: &[f64]) {
         let right = m.objects[m.right];
         let mean: ArmVector = m.objects.iter().zip(probabilities).map(|(o, p)| o.coords * *p).sum();
@@ -61,7 +61,7 @@ impl ObjectTally {
         self.count[frame] += 1.0;
     }
 
-    /// Adds what another one counted.
+    /// Adds the counts of another tally.
     pub fn merge(&mut self, other: &ObjectTally) {
         let pairs = [
             (&mut self.right, &other.right),
@@ -73,7 +73,7 @@ impl ObjectTally {
         }
     }
 
-    /// The figures; nothing without movements.
+    /// The score; nothing if there are no movements.
     pub fn score(&self) -> Option<ObjectScore> {
         let count: f64 = self.count.iter().sum();
         let mean = |sums: &[f64]| sums.iter().sum::<f64>() / count;

@@ -1,26 +1,26 @@
-//! The feature study of the thesis (Table 5.1): how features correlate, and how well each alone tells the object.
+//! The feature study of the thesis (Table 5.1): how features correlate, and how well each alone predicts the object.
 //!
-//! Main type: [`FeatureStudy`], main function: [`feature_study`]. Refuses: to choose what the nets are shown; they see
-//! what was selected in the thesis.
+//! Main type: [`FeatureStudy`], main function: [`feature_study`]. Refuses: to choose the nets' features; they use those
+//! that the thesis selected.
 
 use super::body::{FEATURES, FRAMES, ObjectMove};
 use super::score::best_of;
 
-/// Every so many frames the study takes one.
+/// The study uses one of this many frames.
 const EVERY: usize = 6;
-/// Features that correlate more than this are of one group.
+/// Features that correlate more than this belong to one group.
 const ALIKE: f64 = 0.9;
-/// How many features are selected.
+/// Number of selected features.
 const SELECTED: usize = 3;
 
-/// Table 5.1, and what follows from it.
+/// Table 5.1 and its consequences.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureStudy {
     /// Pearson's correlation of every two features over frames and objects.
     pub correlation: [[f64; FEATURES.len()]; FEATURES.len()],
     /// Share of frames in which the feature alone is smallest for the right object.
     pub merit: [f64; FEATURES.len()],
-    /// The best of every group of features that correlate, in the order of merit.
+    /// The best feature of every group of correlated ones, in order of merit.
     pub selected: Vec<usize>,
 }
 
@@ -51,7 +51,7 @@ pub fn feature_study(moves: &[&ObjectMove]) -> FeatureStudy {
     FeatureStudy { correlation, merit, selected: select(&correlation, &merit) }
 }
 
-/// Share of frames in which a feature alone tells the right object.
+/// Share of frames in which a feature alone predicts the right object.
 fn merit(moves: &[&ObjectMove], feature: usize) -> f64 {
     let hits = |m: &ObjectMove| {
         let of = |frame: usize| {
@@ -64,7 +64,7 @@ fn merit(moves: &[&ObjectMove], feature: usize) -> f64 {
     moves.iter().map(|m| hits(m)).sum::<f64>() / (moves.len().max(1) * FRAMES) as f64
 }
 
-/// By merit, without those that correlate with a better one (Hall 1999).
+/// Features by merit, without those that correlate with a better one (Hall 1999).
 fn select(correlation: &[[f64; FEATURES.len()]; FEATURES.len()], merit: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..FEATURES.len()).collect();
     order.sort_by(|a, b| merit[*b].total_cmp(&merit[*a]));

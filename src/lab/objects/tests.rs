@@ -1,4 +1,4 @@
-//! The whole experiment in small: few people, few movements, few steps of learning.
+//! The whole experiment in small: few people, few movements, few training steps.
 
 use super::bench::{ObjectGroup, ObjectJob, ObjectPiece, ObjectsBench, ObjectsCourse};
 use super::body::{FRAMES, GAZE, HAND, HEAD, ObjectTable};
@@ -79,7 +79,7 @@ fn gaze_is_the_best_single_feature_and_distances_of_joints_correlate() {
     assert_eq!(study.selected[0], GAZE);
 }
 
-/// Figure 5.8 of the thesis: what happens in which order.
+/// Figure 5.8 of the thesis: the order of events.
 #[test]
 fn an_object_that_comes_at_100_goes_at_180_and_comes_at_220_is_found_each_time() {
     let bench = ObjectsBench::new(ObjectsCourse { steps: 120, ..SMALL });
@@ -93,7 +93,7 @@ fn an_object_that_comes_at_100_goes_at_180_and_comes_at_220_is_found_each_time()
             assert_eq!(p.is_some(), is_there, "frame {k}");
             assert!(is_there || !trace.is_first[k]);
         }
-        // What is new is judged by its own last two seconds at once, and not by a neighbour's.
+        // A new object is judged by its own last two seconds at once, and not by a neighbour's.
         for k in [comes, returns, FRAMES - 1] {
             let (with, without) = (trace.unchanged[k], trace.changed[k].expect("it is there"));
             assert!((with - without).abs() < 1e-6, "frame {k}: {with} {without}");

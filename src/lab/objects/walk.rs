@@ -1,7 +1,7 @@
 //! How a simulated person walks to where an object can be reached: a bent path, and a body that turns along it.
 //!
-//! Main type: [`RoomWalk`]. All chance is drawn when the walk is made; then it is a function of time. Refuses: straight
-//! ways; who is there already steps aside.
+//! Main type: [`RoomWalk`]. All random values are drawn when the walk is made; from then on it is a function of time.
+//! Refuses: straight ways; a person who is already there steps aside.
 
 use super::room::Stance;
 use giveway_sim::picker::motion::minimum_jerk;
@@ -11,7 +11,7 @@ use giveway_sim::random::Stream;
 const STEP_M: f64 = 0.6;
 /// Mean speed of a person of usual pace, metres per second.
 const SPEED_MPS: f64 = 1.2;
-/// Seconds that starting and stopping take.
+/// Time that starting and stopping take, seconds.
 const STARTS_S: f64 = 0.4;
 /// Steps per second of both feet while walking.
 const STEPS_HZ: f64 = 1.8;
@@ -32,14 +32,14 @@ pub(super) fn wrapped(angle: f64) -> f64 {
     libm::atan2(libm::sin(angle), libm::cos(angle))
 }
 
-/// Between two directions, the short way round.
+/// Interpolates between two directions, the short way round.
 fn turned(from: f64, to: f64, share: f64) -> f64 {
     from + wrapped(to - from) * share
 }
 
 impl RoomWalk {
-    /// A walk that begins at this time; `aside_m` is how far the middle of the way is off the straight line, to the
-    /// left positive.
+    /// A walk that begins at `begins_s` seconds; `aside_m` is how far the middle of the path is off the straight line,
+    /// to the left positive.
     pub fn new(
         from: Stance,
         to: Stance,
@@ -57,18 +57,18 @@ impl RoomWalk {
         RoomWalk { from, bend, to, begins_s, takes_s, sway: chance.between(0.0, std::f64::consts::TAU) }
     }
 
-    /// When it ends, seconds.
+    /// When the walk ends, seconds.
     pub fn ends_s(&self) -> f64 {
         self.begins_s + self.takes_s
     }
 
-    /// Share of the way, and its change per second.
+    /// Share of the path, and its change per second.
     fn share(&self, t_s: f64) -> (f64, f64) {
         let s = ((t_s - self.begins_s) / self.takes_s).clamp(0.0, 1.0);
         (s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / self.takes_s)
     }
 
-    /// The body at a time.
+    /// The body's stance at a time.
     pub fn at(&self, t_s: f64) -> Stance {
         let (s, rate) = self.share(t_s);
         let along = |a: f64, b: f64, c: f64| (1.0 - s) * (1.0 - s) * a + 2.0 * s * (1.0 - s) * b + s * s * c;
@@ -79,7 +79,7 @@ impl RoomWalk {
         let heading = if libm::hypot(dx, dy) < STEP_M {
             turned(self.from.heading, self.to.heading, minimum_jerk(s))
         } else {
-            // Which way round the body turns is settled by the straight way, so that it never jumps.
+            // The straight path decides which way round the body turns, so that it never jumps.
             let straight = self.from.heading + wrapped(libm::atan2(dy, dx) - self.from.heading);
             let ahead = straight + wrapped(libm::atan2(vy, vx) - straight);
             let end = straight + wrapped(self.to.heading - straight);

@@ -1,34 +1,34 @@
 //! Recorded reaches: five tables as text, checked line by line.
 //!
 //! Main types: [`PickTexts`], [`PickRecording`], [`RecordedReach`], [`GazeTrial`]. Millimetres and degrees become
-//! metres and radians. Refuses: a table with a missing column, a figure that is none or cannot be, a sample of an
-//! unknown movement, and times that go back; the error names the table and the line.
+//! metres and radians. Refuses: a table with a missing column, an invalid or impossible figure, a sample of an unknown
+//! movement, and times that go back; the error names the table and the line.
 
 use giveway_people::reach::{ArmPoint, ArmSample, ReachTarget};
 use std::collections::BTreeMap;
 
-/// The tables as text, by the names of their files.
+/// The tables as text, one for each file.
 #[derive(Clone, Debug, Default)]
 pub struct PickTexts {
-    /// `moves.csv`.
+    /// Text of `moves.csv`.
     pub moves: String,
-    /// `samples.csv`.
+    /// Text of `samples.csv`.
     pub samples: String,
-    /// `targets.csv`.
+    /// Text of `targets.csv`.
     pub targets: String,
-    /// `slots.csv`.
+    /// Text of `slots.csv`.
     pub slots: String,
-    /// `gaze.csv`.
+    /// Text of `gaze.csv`.
     pub gaze: String,
 }
 
-/// What is wrong with a table.
+/// An error in a table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}, line {line}: {what}")]
 pub struct PickDataError {
     /// Name of the file.
     pub file: &'static str,
-    /// The line, from 1.
+    /// Number of the line, from 1.
     pub line: usize,
     /// What is wrong.
     pub what: String,
@@ -37,22 +37,22 @@ pub struct PickDataError {
 /// A place of the recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedPlace {
-    /// Its name.
+    /// Name of the place.
     pub name: String,
-    /// Where people look for it.
+    /// Position where people look for the place.
     pub look: ArmPoint,
-    /// Where finger tips end, relative to the shoulder at onset.
+    /// Position where finger tips end, relative to the shoulder at onset.
     pub hand: ArmPoint,
 }
 
 /// One movement from rest to a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedReach {
-    /// Its name.
+    /// Name of the movement.
     pub name: String,
-    /// Who moved: an index of [`PickRecording::people`].
+    /// The person: an index into [`PickRecording::people`].
     pub person: usize,
-    /// The place: an index of [`PickRecording::places`].
+    /// The place: an index into [`PickRecording::places`].
     pub place: usize,
     /// Index of the sample at the onset.
     pub onset: usize,
@@ -65,7 +65,7 @@ pub struct RecordedReach {
 /// Eyes and head at one instant, radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazeSample {
-    /// Seconds, 0 at the end of the trial.
+    /// Time, seconds; 0 at the end of the trial.
     pub at_s: f64,
     /// Yaw and pitch of the eye ray.
     pub eye: (f64, f64),
@@ -76,40 +76,40 @@ pub struct GazeSample {
 /// One trial of the wearer whose eyes were recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GazeTrial {
-    /// In order of time.
+    /// Samples in order of time.
     pub samples: Vec<GazeSample>,
 }
 
-/// All tables.
+/// The content of all tables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PickRecording {
     /// People in the order of their first movement.
     pub people: Vec<String>,
     /// Places in the order of `targets.csv`.
     pub places: Vec<RecordedPlace>,
-    /// Movements.
+    /// Recorded movements.
     pub reaches: Vec<RecordedReach>,
-    /// Eyes and head.
+    /// Trials of eyes and head.
     pub gaze: Vec<GazeTrial>,
 }
 
-/// Which places are candidates.
+/// Choice of candidate places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlotChoice {
     /// Places whose name ends in 1: the nearest of each direction.
     Near,
-    /// All of them.
+    /// All places.
     All,
 }
 
-/// A table while it is read.
+/// A table during reading.
 struct TableReader<'a> {
     file: &'static str,
     columns: &'static [&'static str],
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
 }
 
-/// One line of it.
+/// One line of a table.
 struct TableRow<'a> {
     file: &'static str,
     line: usize,
@@ -149,7 +149,7 @@ impl TableRow<'_> {
         PickDataError { file: self.file, line: self.line, what }
     }
 
-    /// A figure of at most this size.
+    /// A figure of at most this magnitude.
     fn figure(&self, column: usize, most: f64) -> Result<f64, PickDataError> {
         let cell = self.cells[column];
         let figure = cell.trim().parse::<f64>().ok().filter(|f| f.abs() <= most);
@@ -158,7 +158,7 @@ impl TableRow<'_> {
         })
     }
 
-    /// Three figures as a place; `scale` makes metres of them.
+    /// Three figures as a position; `scale` converts them to metres.
     fn place(&self, first: usize, scale: f64) -> Result<ArmPoint, PickDataError> {
         let most = 20.0 / scale;
         let [x, y, z] = [0, 1, 2].map(|k| self.figure(first + k, most));
@@ -191,7 +191,7 @@ const SAMPLES: [&str; 19] = [
 const PLACES: [&str; 4] = ["target", "x", "y", "z"];
 const GAZE: [&str; 8] =
     ["trial", "t_ms", "eye_yaw", "eye_pitch", "head_yaw", "head_pitch", "target_yaw", "target_pitch"];
-/// No recording lasts longer, milliseconds.
+/// Longest recording, milliseconds.
 const LONGEST_MS: f64 = 1e7;
 
 impl PickRecording {
@@ -215,13 +215,13 @@ impl PickRecording {
         Ok(PickRecording { people, places, reaches, gaze: gaze(texts)? })
     }
 
-    /// The places that are candidates, and where the right one of a movement is among them.
+    /// Indices of the candidate places.
     pub fn candidates(&self, slots: SlotChoice) -> Vec<usize> {
         let is_one = |i: &usize| slots == SlotChoice::All || self.places[*i].name.ends_with('1');
         (0..self.places.len()).filter(is_one).collect()
     }
 
-    /// Candidates of one movement: the shoulder at its onset is where their `hand` is counted from.
+    /// Candidates of one movement: their `hand` is relative to the shoulder at its onset.
     pub fn targets(&self, reach: &RecordedReach, places: &[usize]) -> Vec<ReachTarget> {
         let shoulder = reach.samples[reach.onset].shoulder;
         let target = |i: &usize| {

@@ -1,7 +1,7 @@
-//! Predictions for recorded people, and their figures.
+//! Predictions for recorded people, and their scores.
 //!
 //! Main types: [`PickReport`], [`ArmScore`], [`PickPart`]; main functions: [`fold`], [`with_model`]. Refuses: to
-//! average over folds; all movements count alike.
+//! average over folds; all movements count equally.
 
 use super::data::{PickRecording, SlotChoice};
 use super::score::{SlotScore, SlotTally, tally_item};
@@ -16,11 +16,11 @@ use giveway_people::reach::{ArmPoint, ArmVector};
 use giveway_sim::random::Stream;
 use std::collections::BTreeMap;
 
-/// People that are left out together.
+/// Number of people left out together.
 const TOGETHER: usize = 2;
-/// Steps at which the arm is looked at: 0.08, 0.20 and 0.40 s.
+/// Forecast steps at which the arm is scored: 0.08, 0.20 and 0.40 s.
 pub const ARM_LOOKS: [usize; 3] = [1, 4, 9];
-/// The words for them.
+/// The words of these steps in reports.
 pub const ARM_LOOK_WORDS: [&str; 3] = ["0.08", "0.20", "0.40"];
 /// The arm's parts, in their order.
 pub const ARM_WORDS: [&str; ARM_PARTS] = ["shoulder", "forearm", "hand", "finger"];
@@ -30,15 +30,15 @@ const NORMAL_95: f64 = 2.7955;
 /// Counts of forecasts of the arm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ArmScore {
-    /// Windows.
+    /// Number of windows.
     pub windows: usize,
-    /// Sums of errors, metres, by look and part.
+    /// Sums of errors, metres, by step and part.
     errors: [[f64; ARM_PARTS]; ARM_LOOKS.len()],
-    /// How many lay in their 95 % region; nothing if the method has none.
+    /// How many lay in their 95 % region; nothing if the method has no regions.
     held: Option<[[usize; ARM_PARTS]; ARM_LOOKS.len()]>,
 }
 
-/// Figures of a part of the people; parts add up.
+/// Figures of some of the people; parts can be merged.
 #[derive(Clone, Debug, Default)]
 pub struct PickPart {
     movements: usize,
@@ -47,33 +47,33 @@ pub struct PickPart {
     gaze: BTreeMap<&'static str, Vec<f64>>,
 }
 
-/// All figures.
+/// The whole report.
 #[derive(Clone, Debug)]
 pub struct PickReport {
-    /// People.
+    /// Number of people.
     pub people: usize,
-    /// Movements to the candidates.
+    /// Number of movements to the candidates.
     pub movements: usize,
-    /// By method.
+    /// Scores of predicted places, by method.
     pub models: BTreeMap<&'static str, SlotScore>,
-    /// By method.
+    /// Scores of forecasts of the arm, by method.
     pub arm: BTreeMap<&'static str, ArmScore>,
-    /// Median and 90 % quantile, degrees, by method.
+    /// Median and 90 % quantile of the gaze error, degrees, by method.
     pub gaze: BTreeMap<&'static str, (f64, f64)>,
 }
 
 impl ArmScore {
-    /// Mean error of a part at a look, millimetres.
+    /// Mean error of a part at a step, millimetres.
     pub fn error_mm(&self, look: usize, part: usize) -> f64 {
         self.errors[look][part] / self.windows.max(1) as f64 * 1000.0
     }
 
-    /// Share in the 95 % region.
+    /// Share in the 95 % region; nothing if the method has no regions.
     pub fn cov95(&self, look: usize, part: usize) -> Option<f64> {
         Some(self.held?[look][part] as f64 / self.windows.max(1) as f64)
     }
 
-    /// One window: middles, and whether the truth is in the region of a part.
+    /// Adds one window: forecast positions, and whether a part's region contains the truth.
     fn add(
         &mut self,
         window: &ArmWindow,
@@ -107,13 +107,13 @@ impl ArmScore {
     }
 }
 
-/// How many folds a recording has.
+/// Number of folds of a recording.
 pub fn folds(recording: &PickRecording) -> usize {
     recording.people.len().div_ceil(TOGETHER)
 }
 
-/// One fold: learned on all other people, asked about its own two. Trials of eyes are left out in as many parts, since
-/// one wearer made them all.
+/// One fold: learns from all other people, and predicts its own two. Trials of eyes are left out in as many parts,
+/// since one wearer made them all.
 pub fn fold(
     recording: &PickRecording,
     slots: SlotChoice,
@@ -132,12 +132,12 @@ pub fn fold(
     ask(recording, slots, &learned, is_left_out, trial_is_left_out)
 }
 
-/// A model that was learned elsewhere, asked about all people.
+/// Predictions of a model learned elsewhere, for all people.
 pub fn with_model(recording: &PickRecording, slots: SlotChoice, learned: &LearnedPicks) -> PickPart {
     ask(recording, slots, learned, |_| true, |_| true)
 }
 
-/// All parts together.
+/// Merges all parts into the report.
 pub fn report(recording: &PickRecording, parts: Vec<PickPart>) -> PickReport {
     let mut all = PickPart::default();
     for part in parts {

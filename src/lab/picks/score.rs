@@ -1,7 +1,7 @@
-//! How well the place a hand goes to is told on the way.
+//! How well the place that a hand goes to is predicted on the way.
 //!
-//! Main types: [`SlotScore`], [`SlotTally`]. Looked at are 10, 20, …, 100 % of the time from onset to arrival, with
-//! nothing later known. Refuses: movements that are no candidate's.
+//! Main types: [`SlotScore`], [`SlotTally`]. Predictions are scored at 10, 20, …, 100 % of the time from onset to
+//! arrival, with nothing later known. Refuses: movements without a right candidate.
 
 use crate::learning::picks::ReachItem;
 use giveway_people::reach::ArmVector;
@@ -9,31 +9,31 @@ use giveway_people::reach::net::squash::softmax;
 
 /// Parts of the way, percent.
 pub const PARTS: [usize; 10] = [10, 20, 30, 40, 50, 60, 70, 80, 90, 100];
-/// No place counts as less probable.
+/// Least probability of a place.
 const FLOOR: f64 = 1e-6;
-/// Places less probable than this are missed.
+/// A right place less probable than this counts as missed.
 const MISS: f64 = 0.05;
-/// Bins of the calibration error.
+/// Number of bins of the calibration error.
 const BINS: usize = 10;
 
-/// The figures.
+/// Scores of a predictor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotScore {
-    /// Share of movements whose right place was the most probable, per part of the way.
+    /// Share of movements whose right place was the most probable, by part of the way.
     pub top1: [f64; PARTS.len()],
-    /// Their mean.
+    /// Mean of `top1` over the parts.
     pub top1_mean: f64,
     /// Expected distance from the right place, in mean distances of the others (Petković, equation 5.1).
     pub location_error: f64,
-    /// Negative logarithm of the right place's probability, nats.
+    /// Mean negative logarithm of the right place's probability, nats.
     pub nll: f64,
     /// Expected calibration error of the most probable place.
     pub ece: f64,
-    /// Share with less than 5 % for the right place.
+    /// Share of predictions with less than 5 % for the right place.
     pub miss5: f64,
 }
 
-/// Counts while movements are looked at.
+/// Counts over movements.
 #[derive(Clone, Debug, Default)]
 pub struct SlotTally {
     hits: [usize; PARTS.len()],
@@ -45,8 +45,8 @@ pub struct SlotTally {
 }
 
 impl SlotTally {
-    /// One movement at one part of the way: `distances[i]` is how far place `i` is from the right one, `expected` how
-    /// far the mean place is.
+    /// Adds one movement at one part of the way: `distances[i]` is the distance of place `i` from the right one,
+    /// `expected` that of the mean place.
     pub fn add(
         &mut self,
         part: usize,
@@ -68,7 +68,7 @@ impl SlotTally {
         self.location += expected * distances.len() as f64 / sum.max(1e-9);
     }
 
-    /// Adds what another one counted.
+    /// Adds the counts of another tally.
     pub fn merge(&mut self, other: &SlotTally) {
         for i in 0..PARTS.len() {
             self.hits[i] += other.hits[i];
@@ -82,7 +82,7 @@ impl SlotTally {
         self.missed += other.missed;
     }
 
-    /// The figures; nothing where no movement was seen at some part of the way.
+    /// The score; nothing if no movement was seen at some part of the way.
     pub fn score(&self) -> Option<SlotScore> {
         let all: usize = self.seen.iter().sum();
         if self.seen.contains(&0) {
@@ -102,7 +102,7 @@ impl SlotTally {
     }
 }
 
-/// Counts a movement, of whose candidates there are scores at the ten parts of the way.
+/// Adds a movement with scores of its candidates at the ten parts of the way.
 pub fn tally_item(tally: &mut SlotTally, item: &ReachItem, scores: &[Vec<f64>], sharpness: f64) {
     let right = item.targets[item.right].hand;
     let distances: Vec<f64> = item.targets.iter().map(|t| (t.hand - right).norm()).collect();
@@ -114,7 +114,7 @@ pub fn tally_item(tally: &mut SlotTally, item: &ReachItem, scores: &[Vec<f64>], 
     }
 }
 
-/// Indices of the samples that are nearest to the ten parts of a movement's way from onset to arrival.
+/// Indices of the samples nearest to the ten parts of a movement's way from onset to arrival.
 pub fn way_samples(item: &ReachItem) -> [usize; PARTS.len()] {
     let at_s = |i: usize| item.samples[i].at_s;
     let (from, to) = (at_s(item.onset), at_s(item.arrival));

@@ -1,13 +1,13 @@
 //! The same walk through a worse source: another rate, noise, losses, gaps.
 //!
-//! Main type: [`Degrade`]. Refuses: to change what is true; only what is seen of it.
+//! Main type: [`Degrade`]. Refuses: to change the truth; only what is seen of it.
 
 use super::tracks::TrackPoint;
 use crate::dice::Dice;
 use giveway_floor::time::{Span, Time};
 use std::f64::consts::TAU;
 
-/// What becomes of samples.
+/// How samples are degraded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Degrade {
     /// Fixes per second.
@@ -16,15 +16,15 @@ pub struct Degrade {
     pub noise_m: f64,
     /// Share of fixes that are lost.
     pub loss: f64,
-    /// Once in a while nothing is seen for up to so long, seconds.
+    /// Longest gap in which nothing is seen, seconds.
     pub gap_s: f64,
 }
 
-/// There is a gap about every so many seconds.
+/// Mean time from one gap to the next, seconds.
 const GAP_EVERY_S: f64 = 4.0;
 
 impl Degrade {
-    /// All that are reported: three rates and two noises.
+    /// All reported variants: three rates and two noises.
     pub const ALL: [Degrade; 6] = {
         const fn one(rate_hz: f64, noise_m: f64) -> Degrade {
             Degrade { rate_hz, noise_m, loss: 0.05, gap_s: 0.6 }
@@ -32,9 +32,9 @@ impl Degrade {
         [one(2.5, 0.01), one(10.0, 0.01), one(60.0, 0.01), one(2.5, 0.3), one(10.0, 0.3), one(60.0, 0.3)]
     };
 
-    /// The worse view of some samples, always with the same chance for the same `seed`. Between samples people walk
-    /// straight. The first and the last sample are always seen, so that it is the source that is judged and not the
-    /// length of what was seen.
+    /// The degraded view of some samples, always the same for the same `seed`. Between samples people walk straight.
+    /// The first and the last sample are always seen, so that the source is judged and not the length of the
+    /// observation.
     pub fn apply(&self, seen: &[TrackPoint], seed: u64) -> Vec<TrackPoint> {
         let (Some(first), Some(last)) = (seen.first(), seen.last()) else { return Vec::new() };
         let mut dice = Dice::new(seed);
@@ -72,12 +72,12 @@ impl Degrade {
 }
 
 impl Dice {
-    /// A number from 0 to below 1.
+    /// A random number from 0 to below 1.
     fn chance(&mut self) -> f64 {
         self.below(1 << 24) as f64 / f64::from(1 << 24)
     }
 
-    /// Two normal numbers (Box and Muller 1958).
+    /// Two normally distributed numbers (Box and Muller 1958).
     fn normal(&mut self) -> (f64, f64) {
         let radius = (-2.0 * (1.0 - self.chance()).ln()).sqrt();
         let angle = TAU * self.chance();

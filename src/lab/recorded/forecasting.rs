@@ -1,4 +1,4 @@
-//! How good forecasts of recorded people are.
+//! Scores of forecasts for recorded people.
 //!
 //! Main types: [`ForecastScore`], [`Predictor`]. The protocol is that of the public benchmarks: eight samples are
 //! observed, twelve predicted, one prediction each. Refuses: the best of several predictions, which no planner can use.
@@ -11,34 +11,34 @@ use giveway_floor::geometry::{Point, Vector};
 use giveway_people::human::{Method, Mixture, Model, Part};
 use nalgebra::Matrix2;
 
-/// Levels of regions.
+/// Probabilities of the scored regions.
 pub const LEVELS: [f64; 4] = [0.5, 0.9, 0.95, 0.99];
-/// No density counts as less than this, per m².
+/// Least density, per m².
 const DENSITY_MIN: f64 = 1e-8;
 
-/// What predicts.
+/// A predictor to compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Predictor {
-    /// Filter, goals and learned figures.
+    /// Our filter, goals and learned shapes.
     Giveway,
-    /// Filter and learned figures, goals not known.
+    /// Our filter and learned shapes, goals not known.
     Free,
-    /// The same with goals weighted by the published recogniser of chapter 4.
+    /// Our filter and shapes, with goals weighted by the published recogniser of chapter 4.
     Thesis,
     /// The mean of straight ways to all goals, with figures set by hand.
     ByHand,
-    /// On with the last step.
+    /// Repeats the last step.
     Constant,
-    /// On with the mean of seven steps.
+    /// Repeats the mean of seven steps.
     Mean,
-    /// To the goal that lies straight ahead, at the speed of the last step.
+    /// Goes to the goal straight ahead, at the speed of the last step.
     Heading,
-    /// Where the person was last.
+    /// Stays at the last position.
     Still,
 }
 
 impl Predictor {
-    /// All of them.
+    /// All predictors.
     pub const ALL: [Predictor; 8] = [
         Predictor::Giveway,
         Predictor::Free,
@@ -50,7 +50,7 @@ impl Predictor {
         Predictor::Still,
     ];
 
-    /// Its name in tables.
+    /// The predictor's name in tables.
     pub fn word(self) -> &'static str {
         match self {
             Predictor::Giveway => "giveway",
@@ -68,7 +68,7 @@ impl Predictor {
 /// Scores of one predictor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForecastScore {
-    /// How many stretches.
+    /// Number of stretches.
     pub stretches: usize,
     /// Mean error over all steps, metres.
     pub ade: f64,
@@ -76,20 +76,20 @@ pub struct ForecastScore {
     pub fde: f64,
     /// Mean error of each step, metres.
     pub errors: [f64; PREDICTED],
-    /// Mean of -ln density per m², nats.
+    /// Mean negative logarithm of the density per m², nats.
     pub nll: f64,
     /// Share of people within the stated regions, by level and step.
     pub covered: [[f64; PREDICTED]; 4],
-    /// Share of stretches that were within the 95 % region in all steps.
+    /// Share of stretches that were within the 95 % region at all steps.
     pub covered_throughout: f64,
     /// Median area of the 95 % region at each step, m².
     pub area95: [f64; PREDICTED],
-    /// Coverage of the 95 % region by class of speed (standing, slow, walking, brisk), over all steps; with how many
-    /// stretches.
+    /// Coverage of the 95 % region over all steps by class of speed (standing, slow, walking, brisk), with the number
+    /// of stretches.
     pub by_class: [(f64, usize); 4],
 }
 
-/// One stretch's twelve predictions: a point each, and a probability.
+/// The twelve predictions for one stretch: a point each, and a probability.
 struct Prediction {
     points: [Point; PREDICTED],
     mixtures: Vec<Mixture>,
@@ -97,7 +97,7 @@ struct Prediction {
 }
 
 /// Scores a predictor. `observe` gives what the predictor sees before the stretch's last [`PREDICTED`] samples: the
-/// first samples as they are, or degraded; `sigma_m` is what the source says of them.
+/// first samples as they are, or degraded; `sigma_m` is their stated accuracy.
 pub fn score(
     recording: &RecordedWalks,
     stretches: &[Stretch],
@@ -175,7 +175,7 @@ fn predict(
     }
 }
 
-/// Predictors that say a point only get the round Gaussian that would have suited them best on these very people.
+/// Predictors that only give points get the round Gaussian that suits them best on these very people.
 fn spread_in_hindsight(runs: &mut [(Prediction, &[TrackPoint])]) {
     let variance: [f64; PREDICTED] = std::array::from_fn(|i| {
         let square = |(p, later): &(Prediction, &[TrackPoint])| (p.points[i] - later[i].at).norm_squared();

@@ -1,8 +1,8 @@
-//! Recorded people among robots that know nothing of them: which would brake in time, and which for nothing.
+//! Recorded people among robots that know nothing of them: which rules would brake in time, and which for nothing.
 //!
-//! Main types: [`MeetingReplay`], [`RuleScore`]. Robots drive timetabled ways of straight legs through the hall;
-//! whenever a footprint and a person overlap, it is asked what probability was stated when the robot would
-//! have had to brake. Refuses: people who step aside; those who were recorded saw no robot.
+//! Main types: [`MeetingReplay`], [`RuleScore`]. Robots drive timetabled paths of straight legs through the hall;
+//! whenever a footprint and a person overlap, the probability counts that was stated when the robot would have had to
+//! brake. Refuses: people who step aside; the recorded people saw no robot.
 
 use super::subject::{Ground, Subject};
 use super::tracks::{RecordedWalk, RecordedWalks, TrackPoint};
@@ -14,80 +14,80 @@ use giveway_floor::time::{Span, Time};
 use giveway_people::aware::{BEYOND, BODY_M, Regions, SLOW_MPS, Swept, collision};
 use giveway_people::human::{Method, Model};
 
-/// Probabilities from which a robot brakes, as they are compared.
+/// Probabilities from which a robot brakes, for comparison.
 pub const THRESHOLDS: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.4];
 /// The usual robot: side of its footprint, metres, and control period, seconds.
 const FOOTPRINT_M: f64 = 0.9;
 const PERIOD_S: f64 = 0.05;
-/// Upper ends of the classes in which what was said is compared with what came.
+/// Upper ends of the classes in which stated probabilities are compared with outcomes.
 pub const CLASSES: [f64; 9] = [0.002, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0];
-/// A look every so often.
+/// Interval between two looks.
 const TICK: Span = Span::from_millis(100);
-/// A person this far away is not looked at, metres.
+/// A person farther away than this is ignored, metres.
 const NEAR_M: f64 = 12.0;
-/// Overlaps this close in time are one meeting.
+/// Overlaps this close in time count as one meeting.
 const APART: Span = Span::from_secs(2);
-/// Nothing is asked before a person was seen for so long.
+/// How long a person must be seen before a probability is stated.
 const KNOWN: Span = Span::from_secs(1);
-/// Legs of timetabled ways are at least so long, metres.
+/// Least length of the legs of timetabled paths, metres.
 const LEG_M: f64 = 2.0;
 
-/// What is replayed.
+/// Parameters of a replay.
 #[derive(Clone, Copy, Debug)]
 pub struct MeetingReplay {
-    /// Robots beside each person.
+    /// Number of robots for each person.
     pub robots: usize,
-    /// Their speed, metres per second.
+    /// Speed of the robots, metres per second.
     pub speed_mps: f64,
     /// Half of a footprint's side, metres.
     pub half_m: f64,
-    /// From a look to standing at that speed, seconds.
+    /// Time from a look to a stand at that speed, seconds.
     pub lead_s: f64,
-    /// Walking speed and doubts make this distance between middles too short, metres: the rule without
-    /// prediction.
+    /// Distance between middles within which the rule without prediction brakes, from walking speed and uncertainties,
+    /// metres.
     pub separation_m: f64,
-    /// Seed of the ways.
+    /// Seed of the robots' paths.
     pub seed: u64,
 }
 
-/// What one rule would have done.
+/// Score of one braking rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RuleScore {
-    /// Meetings that it would not have braked for in time.
+    /// Meetings that the rule would not have braked for in time.
     pub missed: u64,
-    /// Looks at which it would have braked.
+    /// Looks at which the rule would have braked.
     pub alarms: u64,
-    /// Of those, looks after which the two would not have touched before the robot could have stood.
+    /// Alarms after which the two would not have touched before the robot could have stopped.
     pub false_alarms: u64,
 }
 
-/// The outcome.
+/// Results of a replay.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Meetings {
     /// How often a robot and a person would have touched.
     pub meetings: u64,
-    /// Looks at a robot and a person near one another.
+    /// Looks at a robot and a person near each other.
     pub looks: u64,
-    /// By threshold.
+    /// Scores of the rules by probability, for each threshold.
     pub by_threshold: [RuleScore; 6],
-    /// By distance alone.
+    /// Score of the rule by distance alone.
     pub by_distance: RuleScore,
-    /// What was said, and after how many looks they met, by class of what was said ([`CLASSES`]).
+    /// Stated probabilities and how often a meeting followed, by class of the stated probability ([`CLASSES`]).
     pub said: [StatedRisk; CLASSES.len()],
 }
 
-/// Looks at which about the same probability of a meeting was stated.
+/// Looks with about the same stated probability of a meeting.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StatedRisk {
-    /// How many.
+    /// Number of looks.
     pub looks: u64,
-    /// The sum of what was stated.
+    /// Sum of the stated probabilities.
     pub stated: f64,
-    /// After how many of them the two touched before the robot could have stood.
+    /// Number of looks after which the two touched before the robot could have stopped.
     pub came: u64,
 }
 
-/// A robot's way for ever on: corners of straight legs along the axes, driven at a constant speed.
+/// A robot's endless path: corners of straight legs along the axes, driven at a constant speed.
 struct Timetable {
     corners: Vec<Point>,
     /// Metres from the start to each corner.
@@ -127,7 +127,7 @@ impl Timetable {
         self.corners[i] + way * share.clamp(0.0, 1.0)
     }
 
-    /// Corners from a place on.
+    /// The robot's position and the next corners.
     fn ahead(&self, metres: f64) -> Vec<Point> {
         let next = &self.corners[self.leg(metres) + 1..];
         std::iter::once(self.at(metres)).chain(next.iter().take(4).copied()).collect()
@@ -137,14 +137,14 @@ impl Timetable {
 /// One look at a robot and a person.
 struct PairLook {
     t: Time,
-    /// The stated probability; nothing before the person was known.
+    /// The stated probability; nothing until the person has been seen for a while, and nothing for a person far away.
     stated: Option<f64>,
     too_near: bool,
     touches: bool,
 }
 
 impl MeetingReplay {
-    /// Loaded robots at their top speed, at walking speed, and as slow as near people.
+    /// Replays for loaded robots at their top speed, at walking speed, and at the slow speed near people.
     pub fn of_speeds(robots: usize, seed: u64) -> [MeetingReplay; 3] {
         let kinematics = Kinematics::default();
         let regions = Regions::new(kinematics, FOOTPRINT_M, PERIOD_S);
@@ -184,7 +184,7 @@ impl MeetingReplay {
         found
     }
 
-    /// All looks at one robot beside one person.
+    /// All looks at one robot and one person.
     fn looks(&self, walk: &RecordedWalk, way: &Timetable, ground: &Ground, model: &Model) -> Vec<PairLook> {
         let (start, end) = (walk.seen[0].t, walk.seen[walk.seen.len() - 1].t);
         let mut subject = Subject::new(ground, model, Method::Detour, RECORDED_M);
@@ -218,7 +218,7 @@ impl Meetings {
             if look.touches {
                 let begins = touched.is_none_or(|t| look.t - t > APART);
                 touched = Some(look.t);
-                // What was said when there was just time to brake.
+                // The statement when there was just time to brake.
                 let then = looks[..=i].iter().rev().find(|l| look.t - l.t >= lead);
                 if let Some(then) = then.filter(|l| begins && l.t - looks[0].t >= KNOWN) {
                     self.meetings += 1;
@@ -248,7 +248,7 @@ impl Meetings {
     }
 }
 
-/// Where a person was, straight between samples.
+/// A person's position, on a straight line between samples.
 fn place(seen: &[TrackPoint], t: Time) -> Point {
     let i = seen.partition_point(|s| s.t <= t).clamp(1, seen.len() - 1);
     let (a, b) = (seen[i - 1], seen[i]);

@@ -1,4 +1,4 @@
-//! Recorded people: what predictors are learned from and judged by.
+//! Recorded people: data for training and scoring predictors.
 //!
 //! Main types: [`RecordedWalks`] (walks of a file), [`Stretch`] and [`Trip`] (what is scored). Refuses: to read files.
 

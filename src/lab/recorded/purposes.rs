@@ -1,7 +1,7 @@
 //! How well goals of recorded people are recognised on the way.
 //!
-//! Main types: [`PurposeScore`], [`Recogniser`]. Refuses: credit for the goal where a trip began; it is left
-//! out and the others are scaled up.
+//! Main types: [`PurposeScore`], [`Recogniser`]. Refuses: credit for the goal where a trip began; it is left out and
+//! the others are scaled up.
 
 use super::recipe;
 use super::subject::{Ground, Subject};
@@ -11,36 +11,36 @@ use giveway_floor::geometry::{Point, turn_between};
 use giveway_floor::id::GoalId;
 use giveway_people::human::{Method, Model};
 
-/// Parts of the way at which the top goal is looked at.
+/// Shares of the way at which the top goal is scored.
 pub const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
-/// Seconds before arrival at which it is looked at, too.
+/// Times before arrival at which the top goal is also scored, seconds.
 pub const BEFORE_S: [f64; 3] = [4.8, 3.2, 2.0];
-/// No goal counts as less probable.
+/// Least probability of a goal.
 const FLOOR: f64 = 1e-6;
 /// Concentration of directions of the simple predictor.
 const KAPPA: f64 = 4.0;
-/// Bins of the calibration error.
+/// Number of bins of the calibration error.
 const BINS: usize = 10;
-/// Goals less probable than this are missed.
+/// A true goal less probable than this counts as missed.
 const MISS: f64 = 0.05;
 
-/// What recognises.
+/// A recogniser to compare.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Recogniser {
     /// One of the product's methods.
     Method(Method),
-    /// Ours with figures set by hand.
+    /// Our method with figures set by hand.
     ByHand,
     /// By the direction of the last two steps alone.
     Heading,
     /// By distance alone.
     Nearest,
-    /// All goals alike.
+    /// All goals with equal probability.
     Chance,
 }
 
 impl Recogniser {
-    /// All of them.
+    /// All recognisers.
     pub const ALL: [Recogniser; 7] = [
         Recogniser::Method(Method::Detour),
         Recogniser::Method(Method::Chapter4),
@@ -51,7 +51,7 @@ impl Recogniser {
         Recogniser::Chance,
     ];
 
-    /// Its name in tables.
+    /// The recogniser's name in tables.
     pub fn word(self) -> &'static str {
         match self {
             Recogniser::Method(Method::Detour) => "giveway",
@@ -69,17 +69,17 @@ impl Recogniser {
 /// Scores of one recogniser.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PurposeScore {
-    /// How many trips.
+    /// Number of trips.
     pub trips: usize,
-    /// How many samples.
+    /// Number of samples.
     pub samples: usize,
     /// Share of trips whose top goal was right at [`PARTS`] of the way.
     pub top1: [f64; 5],
-    /// The same at [`BEFORE_S`] before arrival.
+    /// Share of trips whose top goal was right at [`BEFORE_S`] before arrival.
     pub top1_before: [f64; 3],
     /// Share of all samples with the right goal on top.
     pub top1_of_samples: f64,
-    /// Mean of -ln of the true goal's probability.
+    /// Mean negative logarithm of the true goal's probability.
     pub nll: f64,
     /// Mean squared error over all goals (Brier).
     pub brier: f64,
@@ -93,7 +93,7 @@ pub struct PurposeScore {
     pub reliability: Vec<(f64, f64, f64)>,
 }
 
-/// What a recogniser said at one sample of a trip.
+/// A recogniser's output at one sample of a trip.
 struct Recognition {
     /// Share of the way.
     part: f64,
@@ -104,8 +104,8 @@ struct Recognition {
     trip: usize,
 }
 
-/// Scores a recogniser. `observe` gives what it sees of a trip: the samples as they are, or degraded; it is
-/// asked at the trip's own samples in any case.
+/// Scores a recogniser. `observe` gives what it sees of a trip: the samples as they are, or degraded; it is evaluated
+/// at the trip's own samples in any case.
 pub fn score(
     recording: &RecordedWalks,
     trips: &[Trip],
@@ -148,7 +148,7 @@ pub fn score(
     tally(&looks, trips.len())
 }
 
-/// What is said at each sample between the first and the last.
+/// The recogniser's output at each sample between the first and the last.
 fn follow(
     ground: &Ground,
     model: &Model,

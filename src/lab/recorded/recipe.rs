@@ -1,5 +1,5 @@
-//! A recipe to compare with: goals recognised by figures that somebody set by hand, ways straight to all of them, and
-//! the mean of these ways as the prediction.
+//! A simple recipe for comparison: goals recognised by figures set by hand, straight ways to all of them, and the mean
+//! of these ways as the prediction.
 //!
 //! Main functions: [`by_hand`] (the figures), [`mean_ways`]. Refuses: to learn anything.
 
@@ -11,12 +11,12 @@ use giveway_people::human::Model;
 use giveway_people::human::intention::PurposeModel;
 use std::sync::Arc;
 
-/// How long the last step says more than the goals, seconds.
+/// How long the last step counts more than the goals, seconds.
 const MOMENTUM_S: f64 = 0.8;
-/// Nobody walks to a goal more slowly, metres per second.
+/// Least speed of a person who walks to a goal, metres per second.
 const SPEED_MIN: f64 = 0.25;
 
-/// The model with goals by hand: one resoluteness for all, 1 % of minds changed in every 0.4 s.
+/// The model with hand-set goal figures: one resoluteness for all, 1 % of minds changed in every 0.4 s.
 pub fn by_hand(model: &Model) -> Model {
     let purpose = PurposeModel {
         betas_per_m: [3.0; 4],
@@ -28,7 +28,8 @@ pub fn by_hand(model: &Model) -> Model {
     Model { purpose: Arc::new(purpose), ..model.clone() }
 }
 
-/// The mean of the straight ways to all goals, weighted by what `subject` believes; at first on with the last step.
+/// The mean of the straight ways to all goals, weighted by the belief of `subject`; at first it continues the last
+/// step.
 pub fn mean_ways(
     subject: &Subject<'_>,
     goals: &[Point],

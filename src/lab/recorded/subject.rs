@@ -1,4 +1,4 @@
-//! What is believed of a recorded person after some samples: the same filters that the server runs.
+//! The belief about a recorded person after some samples, by the same filters that the server runs.
 //!
 //! Main types: [`Ground`] (goals of a recording), [`Subject`] (one person, sample by sample). Refuses: to look ahead.
 
@@ -11,13 +11,13 @@ use giveway_people::human::{Belief, Distances, Forecast, Hypothesis, Intention, 
 /// Goals of a recording on an open floor.
 #[derive(Clone, Debug)]
 pub struct Ground {
-    /// Where each is.
+    /// Positions of the goals.
     pub goals: Vec<Point>,
     distances: Distances,
 }
 
 impl Ground {
-    /// With goals; none are known where the list is empty.
+    /// The ground with these goals; none are known if the list is empty.
     pub fn new(goals: &[Point]) -> Ground {
         let mut distances = Distances::in_the_open();
         goals.iter().enumerate().for_each(|(i, at)| distances.add_goal(GoalId(i as u64), *at));
@@ -37,18 +37,18 @@ pub struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// Nothing was seen yet. `sigma_m` is what the source says of its positions.
+    /// A person before the first sample. `sigma_m` is the stated accuracy of positions.
     pub fn new(ground: &'a Ground, model: &'a Model, method: Method, sigma_m: f64) -> Subject<'a> {
         let mut intention = Intention::new(method, model);
         for i in 0..ground.goals.len() {
-            // A method without room for all goals goes on without the last ones.
+            // A method without room for all goals ignores the last ones.
             let _ = intention.add_goal(GoalId(i as u64), 1.0);
         }
         intention.expect_error(sigma_m);
         Subject { ground, model, motion: Motion::new(model.motion), intention, sigma_m, last: None }
     }
 
-    /// Takes a sample in.
+    /// Processes a sample.
     pub fn see(&mut self, seen: Time, at: Point) {
         let used = self.motion.see(Fix { seen, at, sigma_m: self.sigma_m });
         if used != Use::Late && !self.ground.goals.is_empty() {
@@ -57,12 +57,12 @@ impl<'a> Subject<'a> {
         self.last = Some(at);
     }
 
-    /// How it moves.
+    /// The person's motion filter.
     pub fn motion(&self) -> &Motion {
         &self.motion
     }
 
-    /// What is believed of its goals.
+    /// The belief about the person's goal.
     pub fn belief(&self) -> Belief {
         self.intention.belief()
     }
@@ -79,7 +79,7 @@ impl<'a> Subject<'a> {
             .collect()
     }
 
-    /// Calls `f` with what is to be expected of the person.
+    /// Calls `f` with the forecast of the person.
     pub fn forecast<R>(&self, f: impl FnOnce(&Forecast<'_>) -> R) -> R {
         let ways = self.ways();
         let (bound, free) = (&self.model.bound, &self.model.free);

@@ -1,13 +1,13 @@
 //! Recorded people: files of three public data sets as walks.
 //!
-//! Main types: [`Format`], [`RecordedWalks`], [`RecordedWalk`], [`TrackError`]. A walk is one person without a gap;
-//! where a file has gaps, a person has several walks. Refuses: to smooth, to fill gaps, and to read files itself.
+//! Main types: [`Format`], [`RecordedWalks`], [`RecordedWalk`], [`TrackError`]. A walk is one person without a gap; if
+//! a file has gaps, a person has several walks. Refuses: to smooth, to fill gaps, and to read files itself.
 
 use giveway_floor::geometry::Point;
 use giveway_floor::time::Time;
 use std::collections::BTreeMap;
 
-/// How a file is written.
+/// The format of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// ETH and UCY (Pellegrini 2009, Lerner 2007): frame, person, x, y; one step is 0.4 s.
@@ -19,7 +19,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format of that name.
+    /// The format of this name.
     pub fn named(name: &str) -> Option<Format> {
         match name {
             "eth" => Some(Format::Eth),
@@ -41,51 +41,51 @@ impl Format {
     }
 }
 
-/// A step of all three data sets, seconds.
+/// Time step of all three data sets, seconds.
 pub const STEP_S: f64 = 0.4;
 /// A longer gap ends a walk (THÖR), seconds.
 const GAP_S: f64 = 0.45;
-/// Tracklets that follow one another after a step are one walk; stamps may be off by this, seconds.
+/// Tracklets that follow one another after a step form one walk; time stamps may be off by this, seconds.
 const JOIN_S: f64 = 0.05;
 
-/// Where somebody was.
+/// A person's position at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackPoint {
-    /// When, since the start of the file or run.
+    /// Time since the start of the file or run.
     pub t: Time,
     /// Number of the step in the file; people with the same number were seen together.
     pub step: i64,
-    /// Where, metres.
+    /// Position, metres.
     pub at: Point,
 }
 
-/// One person without a gap.
+/// One person's walk without a gap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedWalk {
-    /// Who, as the file calls it; where there are several runs, with the run.
+    /// The person's name in the file; if there are several runs, with the run.
     pub person: String,
-    /// In the order of time.
+    /// Points in order of time.
     pub seen: Vec<TrackPoint>,
-    /// Where tracklets begin, as indices into `seen`; empty where a file has none.
+    /// Where tracklets begin, as indices into `seen`; empty if the file has none.
     pub tracklets: Vec<usize>,
 }
 
 /// All walks of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedWalks {
-    /// How it was written: decides which windows count.
+    /// The format of the file, which decides which windows count.
     pub format: Format,
-    /// In the order of people, then time.
+    /// Walks in the order of people, then time.
     pub walks: Vec<RecordedWalk>,
 }
 
-/// A file that cannot be read.
+/// Error of a file that cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TrackError {
-    /// A line is not as the format has it.
+    /// A line does not match the format.
     #[error("line {line}: {what}")]
     Line {
-        /// Counted from 1.
+        /// Number of the line, from 1.
         line: usize,
         /// What is wrong.
         what: String,
@@ -93,12 +93,12 @@ pub enum TrackError {
     /// The header lacks a column.
     #[error("the header has no column `{0}`")]
     Column(&'static str),
-    /// There is nobody in it.
+    /// The file contains nobody.
     #[error("the file holds no tracks")]
     Empty,
 }
 
-/// A row: person, tracklet if there is one, and what was seen.
+/// A row: person, tracklet if there is one, and the point.
 type TrackRow = (String, Option<u64>, TrackPoint);
 
 impl RecordedWalks {
@@ -162,7 +162,7 @@ fn number(line: usize, field: Option<&str>, what: &str) -> Result<f64, TrackErro
     }
 }
 
-/// Names of people are numbers in all sets, written as 1 or 1.0.
+/// Names of people are numbers in all data sets, written as 1 or 1.0.
 fn person_name(number: f64) -> String {
     format!("{:06}", number as i64)
 }
@@ -181,7 +181,7 @@ fn eth(text: &str) -> Result<Vec<TrackRow>, TrackError> {
         let y = number(line, fields.next(), "y")?;
         raw.push((frame as i64, person, Point::new(x, y)));
     }
-    // Steps are counted over the frames that occur: the protocol of the usual benchmark.
+    // Steps are counted over the frames that occur, as the usual benchmark does.
     let mut frames: Vec<i64> = raw.iter().map(|r| r.0).collect();
     frames.sort_unstable();
     frames.dedup();
@@ -227,8 +227,8 @@ fn thor(text: &str) -> Result<Vec<TrackRow>, TrackError> {
     Ok(rows)
 }
 
-/// Reads goals: lines of a name and a place, or of a place only; a header is allowed. Places beyond a
-/// kilometre are directions, not goals, and are left out.
+/// Reads goals: lines of a name and a place, or of a place only; a header is allowed. Places beyond a kilometre are
+/// directions, not goals, and are left out.
 pub fn goals(text: &str) -> Result<Vec<(String, Point)>, TrackError> {
     let mut found = Vec::new();
     for (line, text) in lines(text) {

@@ -1,4 +1,4 @@
-//! Which stretches of walks are scored: the protocols of the public benchmarks.
+//! Choice of the scored stretches of walks: the protocols of the public benchmarks.
 //!
 //! Main types: [`Stretch`] (20 steps of one walk), [`Trip`] (from goal to goal). Refuses: stretches with gaps.
 
@@ -6,30 +6,30 @@ use super::tracks::{Format, RecordedWalk, RecordedWalks};
 use giveway_floor::geometry::Point;
 use std::collections::BTreeMap;
 
-/// Steps that are observed before a prediction.
+/// Number of steps observed before a prediction.
 pub const OBSERVED: usize = 8;
-/// Steps that are predicted.
+/// Number of predicted steps.
 pub const PREDICTED: usize = 12;
-/// Steps in all.
+/// Number of observed and predicted steps.
 pub const STEPS: usize = OBSERVED + PREDICTED;
-/// Somebody this near to a goal visits it, metres.
+/// A person this near to a goal visits it, metres.
 pub const VISIT_M: f64 = 1.0;
-/// A trip has at least so many samples.
+/// Least number of samples of a trip.
 const TRIP_SAMPLES: usize = 6;
-/// A trip's goals are at least this far apart, metres.
+/// Least distance between a trip's goals, metres.
 const TRIP_M: f64 = 2.0;
 
 /// Twenty steps of a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stretch {
-    /// Which walk.
+    /// Number of the walk.
     pub walk: usize,
-    /// Its first sample.
+    /// Index of the first sample.
     pub first: usize,
 }
 
-/// The stretches that the benchmark scores. ETH and UCY: all, where at least two people have one that begins in the
-/// same step (the loader of Social-GAN). THÖR-MAGNI: the tracklets as given. THÖR: all.
+/// The stretches that the benchmark scores. ETH and UCY: all, if at least two people have one that begins in the same
+/// step (the loader of Social-GAN). THÖR-MAGNI: the tracklets as given. THÖR: all.
 pub fn scored(recording: &RecordedWalks) -> Vec<Stretch> {
     let sliding = all(recording);
     match recording.format {
@@ -52,7 +52,7 @@ pub fn scored(recording: &RecordedWalks) -> Vec<Stretch> {
     }
 }
 
-/// All stretches, sliding by one sample: for learning.
+/// All stretches, sliding by one sample: for training.
 pub fn all(recording: &RecordedWalks) -> Vec<Stretch> {
     let of = |(walk, w): (usize, &RecordedWalk)| {
         (0..(w.seen.len() + 1).saturating_sub(STEPS))
@@ -65,15 +65,15 @@ pub fn all(recording: &RecordedWalks) -> Vec<Stretch> {
 /// A walk from one goal to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Trip {
-    /// Which walk.
+    /// Number of the walk.
     pub walk: usize,
     /// The last sample at the first goal.
     pub first: usize,
     /// The first sample at the second goal.
     pub last: usize,
-    /// Where it began, as an index into the goals.
+    /// The goal where the trip began, as an index into the goals.
     pub origin: usize,
-    /// Where it ended.
+    /// The goal where the trip ended, as an index into the goals.
     pub goal: usize,
 }
 

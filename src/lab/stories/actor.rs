@@ -1,24 +1,24 @@
-//! Somebody who does one thing after the other: walks, stands, turns.
+//! A person who does one thing after the other: walks, stands, turns.
 //!
 //! Main type: [`Actor`]. Refuses: to react to anything.
 
 use giveway_floor::geometry::{Point, Pose, Segment};
 
-/// One thing to do.
+/// One act of the person.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum StoryAct {
     /// Walk straight to a place at a speed in metres per second, facing it.
     Walk(f64, f64, f64),
-    /// Stand for so many seconds.
+    /// Stand for this many seconds.
     Stand(f64),
-    /// Turn on the spot by so many radians within so many seconds.
+    /// Turn on the spot by this many radians, in this many seconds.
     Turn(f64, f64),
 }
 
-/// Where somebody is at any time.
+/// The person's pose at any time.
 #[derive(Clone, Debug)]
 pub(super) struct Actor {
-    /// Start, end, and pose at both.
+    /// Start and end of each part, seconds, and the poses at both.
     parts: Vec<(f64, f64, Pose, Pose)>,
     first: Pose,
 }
@@ -46,7 +46,7 @@ impl Actor {
         Actor { parts, first }
     }
 
-    /// When everything is done, seconds.
+    /// When all acts are over, seconds.
     pub fn end(&self) -> f64 {
         self.parts.last().map_or(0.0, |p| p.1)
     }

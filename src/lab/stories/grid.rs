@@ -31,7 +31,7 @@ const FLOOR: &str = "
 ####################
 ";
 
-/// Runs of actions, a letter each, with what is said of them.
+/// Runs of actions, a letter each, with the event text of each run.
 const ACTS: [(&str, &str); 7] = [
     ("LL>>", "walks towards the crossing: fits all three goals"),
     ("R>Rvvvv", "turns south: fits goal 3 only"),
@@ -98,14 +98,14 @@ mod tests {
         let story = tell();
         let at = |words: &str| story.when(words);
         let [one, two, three] = [0, 1, 2].map(GoalId);
-        // All goals rise alike while all fit.
+        // All goals rise equally while all fit.
         let crossing = story.at(at("turns south"));
         assert!([one, two, three].iter().all(|g| crossing.of(*g) > 0.1) && crossing.undecided > 0.5);
-        // Goal 3 rises steeply; when it is left it falls at once, and undecided comes before goal 2.
+        // Goal 3 rises steeply; when the person turns away it falls at once, and undecided comes before goal 2.
         assert!(story.at(at("turns south") + 5.0).of(three) > 0.8);
         let left = story.at(at("leaves goal 3") + 1.0);
         assert!(left.of(three) < 0.05 && left.top() == IntentState::Undecided, "{left:?}");
-        // Goal 2 comes to stand still at about 0.85: undecided is never impossible.
+        // Goal 2 settles at about 0.85: undecided is never impossible.
         let plateau = [16.0, 18.0, 20.0].map(|t| story.at(t).of(two));
         assert!(plateau.iter().all(|p| (0.8..0.92).contains(p)), "{plateau:?}");
         // Two goals fit: neither wins. The dead end fits none.
@@ -116,7 +116,7 @@ mod tests {
         assert!(story.beliefs.iter().all(|(_, b)| (b.sum() - 1.0).abs() < 1e-9));
     }
 
-    /// The belief after each act of the story, as the method has it that a fleet may choose: from poses, ten a second.
+    /// The belief after each act of the story, by the method that a fleet can choose: from poses, ten a second.
     fn from_poses() -> Vec<Belief> {
         let tiles = Tiles::drawn(FLOOR);
         let floor = Distances::in_the_open().with_tiles(tiles.clone());
@@ -157,7 +157,7 @@ mod tests {
             assert!(goals && close(told.elsewhere, seen.elsewhere), "{what}: {told:?} {seen:?}");
         }
         assert!(after[1].of(GoalId(2)) > 0.3 && after[5].elsewhere > 0.9, "{after:?}");
-        // Who stands in the dead end is judged by the second, not by the letter.
+        // A person who stands in the dead end is judged every second, not per letter.
         assert!(after[6].elsewhere > after[5].elsewhere, "{after:?}");
     }
 }

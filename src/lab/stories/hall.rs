@@ -2,9 +2,8 @@
 //! to 3.20).
 //!
 //! Main function: [`tell`]. Goals lie so that the text's choices come in its order, except that cyan parts from brown
-//! where purple does. Robots move as in the text: eight each in the western, middle and eastern roads, each to a
-//! random neighbouring node, never straight back, waiting where another has chosen the same. Refuses: robots that see
-//! the person.
+//! where purple does. Robots move as in the text: eight each in the western, middle and eastern roads, each to a random
+//! neighbouring node, never straight back, waiting if another has chosen the same. Refuses: robots that see the person.
 
 use super::super::dice::Dice;
 use super::{Story, StoryEvent, name};
@@ -20,9 +19,9 @@ use std::sync::Arc;
 const ROBOTS_A_GROUP: usize = 8;
 /// The western, middle and eastern road.
 const ROADS: [f64; 3] = [0.0, 19.0, 39.0];
-/// Radius of what a robot closes, metres: the aisle in which it is, but not a road of two lanes.
+/// Radius of what a robot closes, metres: the aisle that it is in, but not a road of two lanes.
 const ROBOT_M: f64 = 0.45;
-/// Poses a second.
+/// Poses per second.
 const RATE: f64 = 10.0;
 /// Seconds for a robot from one node to the next.
 const STEP_S: f64 = 1.5;
@@ -35,9 +34,9 @@ const GOALS: [(&str, &str, f64, f64); 4] = [
 const BROWN: u64 = 1;
 const ADDED: &str = "the brown goal is added";
 const PACE_MPS: f64 = 1.2;
-/// The person knows of robots so near only, metres.
+/// Range within which the person knows of robots, metres.
 const NEAR_M: f64 = 4.0;
-/// No story takes longer.
+/// Longest duration of a story, seconds.
 const LONGEST_S: f64 = 180.0;
 
 fn hall() -> Warehouse {
@@ -48,7 +47,7 @@ fn hall() -> Warehouse {
 /// Robots that wander.
 struct Crowd {
     dice: Dice,
-    /// Node before, node, node to come.
+    /// For each robot: the previous, the present and the next node.
     robots: Vec<[NodeId; 3]>,
 }
 
@@ -68,7 +67,7 @@ impl Crowd {
         Crowd { dice: Dice::new(seed), robots }
     }
 
-    /// All choose their next node.
+    /// Lets all robots choose their next node.
     fn step(&mut self, w: &Warehouse) {
         for i in 0..self.robots.len() {
             let [_, here, next] = self.robots[i];
@@ -90,8 +89,8 @@ impl Crowd {
     }
 }
 
-/// The person: where it wants to be next, and what is said when it sets off there. It walks the shortest way that is
-/// open as far as it can see, and waits where there is none.
+/// The person's errands: the next place, and the event text when the person sets off. The person walks the shortest
+/// open way as far as it can be seen, and waits if there is none.
 const ERRANDS: [(f64, f64, &str); 5] = [
     (7.0, 10.0, "walks north towards yellow"),
     (7.0, 13.0, "passes yellow"),
@@ -106,7 +105,7 @@ struct StoryPerson {
 }
 
 impl StoryPerson {
-    /// Walks for a tick; whether it sets off on a new errand.
+    /// Walks for a tick; gives whether the person sets off on a new errand.
     fn walk(&mut self, all: &Distances) -> bool {
         let Some((x, y, _)) = ERRANDS.get(self.errand) else { return false };
         let mut near = all.walkways().expect("a hall has walkways").no_edges();
@@ -136,7 +135,7 @@ impl StoryPerson {
     }
 }
 
-/// The story.
+/// Tells the story.
 pub(super) fn tell(method: Method, seed: u64) -> Story {
     let w = hall();
     let mut all = Distances::over(Arc::new(Walkways::of(&w)));
@@ -181,7 +180,7 @@ pub(super) fn tell(method: Method, seed: u64) -> Story {
     }
 }
 
-/// Robots close what is beneath them.
+/// Cuts the edges beneath robots.
 fn block(all: &mut Distances, robots: &[Point]) {
     let mut cut = all.walkways().expect("a hall has walkways").no_edges();
     for at in robots {

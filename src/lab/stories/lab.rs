@@ -17,11 +17,11 @@ use std::sync::Arc;
 
 /// Radius of what a robot closes, metres.
 const ROBOT_M: f64 = 0.7;
-/// Poses a second.
+/// Poses per second.
 const RATE: f64 = 10.0;
 const GOALS: [(&str, &str); 3] = [("R117", "#8e44ad"), ("R109", "#17a2b8"), ("R17", "#8b5a2b")];
 
-/// What the person does. The numbers of the acts are used for events.
+/// The person's acts. Events refer to them by number.
 fn person() -> Actor {
     let pace = 0.9;
     Actor::new(
@@ -59,7 +59,7 @@ fn place(w: &Warehouse, node: &str) -> Point {
     w.node_named(node).map(|n| w.nodes[n].at).expect("a node of the laboratory")
 }
 
-/// The story.
+/// Tells the story.
 pub(super) fn tell(method: Method) -> Story {
     let w = lab();
     let mut all = Distances::over(Arc::new(Walkways::of(&w)));
@@ -116,7 +116,7 @@ mod tests {
     const R109: GoalId = GoalId(1);
     const R17: GoalId = GoalId(2);
 
-    /// The order of events that the thesis tells, for methods that know undecided and for those that do not.
+    /// Checks the order of events that the thesis tells, for methods with and without *undecided*.
     fn tells(method: Method, is_undecided: impl Fn(&Belief) -> bool) {
         let story = tell(method);
         let at = |words: &str, later: f64| story.at(story.when(words) + later);
@@ -134,7 +134,7 @@ mod tests {
             passed.of(R17) < 0.05 && least > 3.0 * passed.of(R17),
             "{method:?}: R17 was passed: {passed:?}"
         );
-        // Ours remembers the walk north, which fitted R117 only.
+        // Our method remembers the walk north, which only fitted R117.
         let apart = if method == Method::Detour { 0.8 } else { 0.1 };
         assert!(
             (passed.of(R117) - passed.of(R109)).abs() < apart,

@@ -1,8 +1,8 @@
 //! The stories that Petković 2021 tells in section 3.5 to show how intentions are recognised, told again.
 //!
-//! Main types: [`Story`] (beliefs over time with what happened when), [`StoryKind`] (which story). Floor plans and
-//! tracks of the originals are lost or were never published: what the text says of them is kept, the rest is made up,
-//! and it is the order of events that is compared, not numbers. Refuses: chance without a seed.
+//! Main types: [`Story`] (beliefs over time with the events), [`StoryKind`] (which story). Floor plans and tracks of
+//! the originals are lost or were never published: what the text says of them is kept, the rest is made up, and the
+//! order of events is compared, not numbers. Refuses: random numbers without a seed.
 
 mod actor;
 mod grid;
@@ -12,7 +12,7 @@ mod lab;
 use super::plot::{LineChart, Series};
 use giveway_people::human::{Belief, Method};
 
-/// Which story.
+/// A story of the thesis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoryKind {
     /// Section 3.5.1: tiles, three goals, a change of mind, a dead end.
@@ -23,22 +23,22 @@ pub enum StoryKind {
     Hall,
 }
 
-/// Something that happens in a story.
+/// An event in a story.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoryEvent {
-    /// When: steps or seconds.
+    /// Time of the event: steps or seconds.
     pub at: f64,
-    /// What.
+    /// Text of the event.
     pub what: String,
 }
 
-/// A goal and how it is drawn.
+/// Name and colour of a goal.
 type Named = (&'static str, &'static str);
 
 /// A story told.
 #[derive(Clone, Debug)]
 pub struct Story {
-    /// Headline.
+    /// Title of the story.
     pub title: String,
     /// Method and place.
     pub subtitle: String,
@@ -48,12 +48,13 @@ pub struct Story {
     pub goals: Vec<Named>,
     /// Beliefs after each update or at each tick.
     pub beliefs: Vec<(f64, Belief)>,
-    /// What happened, in order of time.
+    /// Events in order of time.
     pub events: Vec<StoryEvent>,
 }
 
 impl StoryKind {
-    /// Tells it. The story on tiles has a method of its own and takes no other; `seed` moves the robots of the hall.
+    /// Tells the story. The story on tiles has a method of its own and takes no other; `seed` moves the robots of the
+    /// hall.
     pub fn tell(self, method: Method, seed: u64) -> Story {
         match self {
             StoryKind::Grid => grid::tell(),
@@ -70,7 +71,7 @@ impl Story {
         &before.unwrap_or(&self.beliefs[0]).1
     }
 
-    /// When the first event whose text contains `words` happens.
+    /// Time of the first event whose text contains `words`.
     ///
     /// # Panics
     /// If there is none: stories are fixed, and so are the words of their events.
@@ -78,7 +79,7 @@ impl Story {
         self.events.iter().find(|e| e.what.contains(words)).map(|e| e.at).expect("an event of this story")
     }
 
-    /// Probabilities over time, as a chart.
+    /// Chart of the probabilities over time.
     pub fn chart(&self) -> LineChart {
         let line = |label: String, colour: &'static str, of: &dyn Fn(&Belief) -> Option<f64>| {
             let points = self.beliefs.iter().filter_map(|(t, b)| Some((*t, of(b)?))).collect();

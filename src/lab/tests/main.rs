@@ -1,4 +1,4 @@
-//! The laboratory from outside: what its program prints, and what pages show of it.
+//! The laboratory from outside: what its program prints, and what docs pages show of it.
 
 mod reports;
 mod stories;

@@ -1,5 +1,5 @@
-//! What experiments at the picking station print for other programs: every key that docs and issues name, from runs as
-//! small as they can be. What the figures are is said in docs; here they must be there.
+//! The JSON output of experiments at the picking station: every key that docs and issues name, from the smallest
+//! possible runs. Docs explain the figures; this test only checks that they are there.
 
 use serde_json::Value;
 use std::fmt::Write;
@@ -10,14 +10,14 @@ fn giveway(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_giveway-lab")).args(arguments).output().unwrap()
 }
 
-/// A folder of a test's own, below the one for results of builds.
+/// A test's own folder, below the one for build results.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&folder).unwrap();
     folder
 }
 
-/// What an experiment prints with `--json`.
+/// The output of an experiment with `--json`.
 fn report(arguments: &str) -> Value {
     let arguments: Vec<&str> =
         ["experiment"].into_iter().chain(arguments.split(' ')).chain(["--json"]).collect();
@@ -26,7 +26,7 @@ fn report(arguments: &str) -> Value {
     serde_json::from_slice(&ran.stdout).unwrap_or_else(|e| panic!("{arguments:?}: {e}"))
 }
 
-/// Keys, each a way through the report with `|` between words of which each must be there, that lead nowhere.
+/// Keys that lead nowhere, each a path through the report with `|` between words that must all be there.
 fn missing(report: &Value, keys: &[&str]) -> Vec<String> {
     let mut missing = Vec::new();
     for key in keys {

@@ -1,33 +1,33 @@
-//! Adam (Kingma and Ba 2015): steps along gradients, with an own step length for every weight.
+//! Adam (Kingma and Ba 2015): steps along gradients, with a separate step length for every weight.
 //!
 //! Main type: [`Adam`]. Weights shrink a little at every step (decoupled, Loshchilov and Hutter 2019), and a gradient
 //! that is too long is cut. Refuses: gradients of another shape than the weights.
 
 /// Decay of the mean gradient.
 const BETA_1: f32 = 0.9;
-/// Decay of its mean square.
+/// Decay of the gradient's mean square.
 const BETA_2: f32 = 0.999;
 const EPSILON: f32 = 1e-8;
-/// Longest gradient.
+/// Greatest length of a gradient.
 const LONGEST: f32 = 2.0;
 
-/// What is remembered between steps.
+/// State that is kept between steps.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Adam {
     moments: Vec<(f32, f32)>,
-    /// What is missing of the sums of both decays' weights.
+    /// The missing share of the sums of both decays' weights.
     missing: Option<(f32, f32)>,
-    /// Share of a weight that is lost at a step of length one.
+    /// Share of a weight that is lost in a step of length one.
     decay: f32,
 }
 
 impl Adam {
-    /// One that has done no step; `decay` is the share of a weight that is lost at a step of length one.
+    /// An optimiser before its first step; `decay` is the share of a weight that is lost in a step of length one.
     pub fn new(decay: f32) -> Adam {
         Adam { decay, ..Adam::default() }
     }
 
-    /// One step of the given length. Gradients are set to zero for the next batch.
+    /// One step of the given length. Sets gradients to zero for the next batch.
     pub fn step(&mut self, length: f32, weights: &mut [&mut [f32]], gradients: &mut [&mut [f32]]) {
         let count: usize = weights.iter().map(|w| w.len()).sum();
         self.moments.resize(count, (0.0, 0.0));

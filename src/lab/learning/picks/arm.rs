@@ -1,7 +1,7 @@
-//! Learning of nets that say where the arm will be.
+//! Training of nets that forecast the arm.
 //!
-//! Main types: [`ArmWindow`], main functions: [`windows`], [`learn_arm`]. Lengths of errors count, not their squares,
-//! and widths are learned with them (a Laplace distribution in space). Refuses: windows with gaps.
+//! Main types: [`ArmWindow`], main functions: [`windows`], [`learn_arm`]. The loss uses lengths of errors, not their
+//! squares, and widths are learned with them (a Laplace distribution in space). Refuses: windows with gaps.
 
 use super::adam::Adam;
 use super::course::{rate_at, shuffle};
@@ -15,14 +15,14 @@ use giveway_people::reach::net::{Affine, Lstm};
 use giveway_people::reach::sample::ARM_PARTS;
 use giveway_sim::random::Stream;
 
-/// Ten samples that are observed and the ten after them.
+/// Ten observed samples and the ten after them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmWindow {
-    /// Whose arm.
+    /// Number of the person.
     pub person: usize,
-    /// Observed: the first one is repeated where there are fewer.
+    /// Observed samples; the first one is repeated if there are fewer.
     pub observed: [ArmSample; ARM_STEPS],
-    /// What came then.
+    /// The samples that followed.
     pub after: [ArmSample; ARM_STEPS],
 }
 

@@ -1,4 +1,4 @@
-//! Learning of where the arm will be, with people left out.
+//! Training of the arm's forecast, with people left out.
 //!
 //! Main functions: [`learn_arms`], [`regions_of`]. Regions hold a stated share of people left out, per horizon, part
 //! and speed (a conformal quantile). Refuses: widths of a net as regions.
@@ -11,19 +11,19 @@ use giveway_people::reach::model::CLASSES;
 use giveway_people::reach::sample::ARM_PARTS;
 use giveway_sim::random::Stream;
 
-/// Groups of people that are left out, and nets that are learned.
+/// Number of groups of people to leave out, and of nets to train.
 pub(super) const ARM_GROUPS: usize = 3;
-/// Size of the state.
+/// Size of the state; then passes over all movements.
 const HIDDEN: usize = 28;
 const EPOCHS: usize = 6;
-/// Variations of a movement that are learned beside it.
+/// Number of variations of each movement to learn from.
 const VARIED: usize = 2;
-/// Windows that are learned at most.
+/// Largest number of windows to learn from.
 const MOST: usize = 36_000;
-/// A class of speed with fewer windows takes the radius of all.
+/// A class of speed with fewer windows takes the radius of all classes.
 const FEW: usize = 100;
-/// Share that regions hold of people whom one net never saw. The mean of all nets errs less than one of them, so that
-/// it holds about 0.95 of people whom none of them saw (measured on recorded people, `docs/picks.md`).
+/// Share of left-out people that regions of one net contain. The mean of all nets has smaller errors than one of them,
+/// so that it contains about 0.95 of people whom none of them saw (measured on recorded people, `docs/picks.md`).
 const HELD: f64 = 0.935;
 
 /// A window of a person left out, with its forecast.
@@ -31,11 +31,11 @@ const HELD: f64 = 0.935;
 pub struct ForecastWindow {
     /// The window.
     pub window: ArmWindow,
-    /// What was forecast.
+    /// The forecast from the window.
     pub forecast: ArmForecast,
 }
 
-/// The nets, and what each says about the people it never saw.
+/// The nets, and each net's forecasts for the people it never saw.
 pub(super) fn learn_arms(
     lessons: &PickLessons,
     strangers: Option<Variety>,
@@ -71,7 +71,7 @@ pub(super) fn learn_arms(
     (nets, left_out)
 }
 
-/// Radii of regions in widths, by class of speed, step and part.
+/// Radii of regions in units of width, by class of speed, step and part.
 pub(super) fn regions_of(left_out: &[ForecastWindow]) -> Vec<[[f64; ARM_PARTS]; ARM_STEPS]> {
     let radius = |class: Option<usize>, k: usize, p: usize| {
         let of = left_out.iter().filter(|w| class.is_none_or(|c| w.forecast.class == c));

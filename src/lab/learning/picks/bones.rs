@@ -1,8 +1,8 @@
-//! Unit vectors of bones (seed 003, section III): three memories, dropout, several draws as one batch.
+//! Unit vectors of bones (seed 003, section III): three recurrent layers, dropout, several draws as one batch.
 //!
-//! Main types: [`BoneNet`], [`BoneForecast`]. Every memory is followed by a dropout of 10 %, which stays on when it is
-//! asked: the spread of the draws is equation 4, corrected (K·EᵀE stands outside of the sum) and per dimension. Bones
-//! keep their lengths. Refuses: to call that spread a region.
+//! Main types: [`BoneNet`], [`BoneForecast`]. Every recurrent layer is followed by a dropout of 10 %, which stays on
+//! for forecasts: the spread of the draws is equation 4, corrected (K·EᵀE stands outside of the sum) and per dimension.
+//! Bones keep their lengths. Refuses: to call that spread a region.
 
 use super::adam::Adam;
 use super::arm::ArmWindow;
@@ -22,23 +22,23 @@ const HIDDEN: usize = 32;
 const LAYERS: usize = 3;
 /// Share of states that are dropped, as published.
 const DROPOUT: f64 = 0.1;
-/// Draws, as published.
+/// Number of draws, as published.
 pub const DRAWS: usize = 5;
 
-/// The net.
+/// The net that forecasts bones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoneNet {
-    /// Three memories, one above the other.
+    /// Three recurrent layers, one above the other.
     pub memories: Vec<Lstm>,
-    /// From the last state to changes of all bones at all steps.
+    /// Map from the last state to changes of all bones at all steps.
     pub out: Affine,
 }
 
-/// Mean and spread of the draws.
+/// Mean and variance of the draws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoneForecast {
-    /// Places of the arm's parts at the steps ahead.
+    /// Mean positions of the arm's parts at the steps ahead.
     pub mean: [[ArmPoint; ARM_PARTS]; ARM_STEPS],
     /// Variance of each coordinate, m².
     pub variance: [[ArmVector; ARM_PARTS]; ARM_STEPS],
@@ -55,7 +55,7 @@ fn units(sample: &ArmSample, out: &mut [f32]) {
     }
 }
 
-/// Which states are kept, of so many; kept ones count more.
+/// A random mask over `count` states; the kept ones are scaled up.
 fn mask(count: usize, chance: &mut Stream) -> Vec<f32> {
     let kept = 1.0 / (1.0 - DROPOUT) as f32;
     (0..count).map(|_| if chance.happens(DROPOUT) { 0.0 } else { kept }).collect()
@@ -65,7 +65,7 @@ fn times(x: &mut [f32], mask: &[f32]) {
     x.chunks_exact_mut(mask.len()).for_each(|x| x.iter_mut().zip(mask).for_each(|(x, m)| *x *= m));
 }
 
-/// What the memories did with a batch.
+/// Intermediate values of a batch.
 #[derive(Default)]
 struct BoneTape {
     tapes: [LstmTape; LAYERS],
@@ -107,7 +107,7 @@ impl BoneNet {
         memories.chain([&mut self.out]).flat_map(|a| [&mut a.weights[..], &mut a.bias[..]]).collect()
     }
 
-    /// Runs a batch; what comes out are changes of unit vectors.
+    /// Runs a batch; the outputs are changes of unit vectors.
     fn run(&self, windows: &[&ArmWindow], tape: &mut BoneTape, chance: &mut Stream) -> Vec<f32> {
         let rows = windows.len();
         let shape = Sequence { steps: ARM_STEPS, rows };
@@ -169,7 +169,7 @@ impl BoneNet {
         }
     }
 
-    /// Mean and spread of [`DRAWS`] draws, which are one batch.
+    /// Mean and variance of [`DRAWS`] draws, computed as one batch.
     pub fn forecast(&self, window: &ArmWindow, chance: &mut Stream) -> BoneForecast {
         let said = self.run(&[window; DRAWS], &mut BoneTape::default(), chance);
         let last = &window.observed[ARM_STEPS - 1];
@@ -202,7 +202,7 @@ impl BoneNet {
         BoneForecast { mean, variance }
     }
 
-    /// What is wrong with its shape or figures.
+    /// What is wrong with the net's shape or weights, if anything.
     pub fn fault(&self) -> Option<String> {
         if self.memories.len() != LAYERS || self.memories.iter().any(|m| m.hidden != HIDDEN) {
             return Some(format!("it must have {LAYERS} memories of {HIDDEN} states"));

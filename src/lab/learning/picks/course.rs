@@ -1,4 +1,4 @@
-//! What all courses of learning share: order, weights of steps, lengths of steps.
+//! Shared parts of training: order, weights of steps, learning rates.
 //!
 //! Main functions: [`motions`], [`step_weights`], [`rate_at`], [`shuffle`]. Refuses: nothing.
 
@@ -6,7 +6,7 @@ use super::items::ReachItem;
 use giveway_people::reach::features::ArmMotion;
 use giveway_sim::random::Stream;
 
-/// Weights of the steps of one movement: those on the way sum to one, those beside it count less.
+/// Weights of the steps of one movement: those on the way sum to one, those before and after count less.
 pub(super) fn step_weights(item: &ReachItem) -> Vec<f32> {
     let on_the_way = (item.arrival - item.onset).max(1) as f32;
     let is_on_the_way = |t: usize| t > item.onset && t <= item.arrival;
@@ -14,7 +14,7 @@ pub(super) fn step_weights(item: &ReachItem) -> Vec<f32> {
     (0..item.samples.len()).map(weight).collect()
 }
 
-/// How the person moves at every step.
+/// The person's motion at every step.
 pub(super) fn motions(item: &ReachItem) -> Vec<ArmMotion> {
     let mut motion = ArmMotion::new(item.samples[0]);
     let mut all = Vec::with_capacity(item.samples.len());
@@ -25,7 +25,7 @@ pub(super) fn motions(item: &ReachItem) -> Vec<ArmMotion> {
     all
 }
 
-/// Length of steps at a share of the course: rises shortly, then falls along a cosine to a fiftieth.
+/// Learning rate at a share of the course: rises briefly, then falls along a cosine to a fiftieth.
 pub(super) fn rate_at(rate: f32, share: f64) -> f32 {
     let rises = (share / 0.05).min(1.0);
     let falls = 0.5 * (1.0 + libm::cos(std::f64::consts::PI * share)) * 0.98 + 0.02;

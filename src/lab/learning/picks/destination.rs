@@ -1,8 +1,9 @@
-//! Destination first, posture after (seed 000, section 3.2): a variational autoencoder of postures says where the hand
-//! will be, and a second net which posture that takes.
+//! Destination first, posture after (seed 000, section 3.2): a variational autoencoder of postures predicts where the
+//! hand will be, and a second net the posture for that.
 //!
-//! Main type: [`DestinationNets`]. Latent 50, as published; from postures alone, since Giveway takes no pictures. Its
-//! published horizons are 0.5 and 1.0 s; here it is 0.4 s, as far as the recordings' protocol looks. Refuses: images.
+//! Main type: [`DestinationNets`]. Latent size 50, as published; from postures alone, since Giveway takes no pictures.
+//! Its published horizons are 0.5 and 1.0 s; here it is 0.4 s, as far as the recordings' protocol looks. Refuses:
+//! images.
 
 use super::adam::Adam;
 use super::arm::ArmWindow;
@@ -14,7 +15,7 @@ use giveway_people::reach::sample::{ARM_PARTS, ArmPoint, ArmVector};
 use giveway_sim::random::Stream;
 use serde::{Deserialize, Serialize};
 
-/// Postures that are looked at: the last ones.
+/// Number of last postures that are used.
 const LOOKED_AT: usize = 4;
 const POSTURE: usize = 3 * ARM_PARTS;
 const INPUTS: usize = LOOKED_AT * POSTURE;
@@ -22,18 +23,18 @@ const LATENT: usize = 50;
 const HIDDEN: usize = 64;
 /// Weight of the divergence from a normal distribution.
 const DIVERGENCE: f32 = 1e-4;
-/// Units per metre.
+/// Units of the nets per metre.
 const SCALE: f64 = 5.0;
 
-/// The nets.
+/// The three nets.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DestinationNets {
-    /// Postures to mean and logarithm of the variance of the latent figures.
+    /// Maps postures to mean and logarithm of the variance of the latent values.
     pub encoder: Perceptron,
-    /// Latent figures to where the hand will be.
+    /// Maps latent values to the hand's destination.
     pub decoder: Perceptron,
-    /// Posture and destination to the postures on the way.
+    /// Maps posture and destination to the postures on the way.
     pub posture: Perceptron,
 }
 
@@ -68,7 +69,7 @@ impl DestinationNets {
         DestinationNets { encoder, decoder, posture }
     }
 
-    /// Places of the arm's parts at the steps ahead, at the mean of the latent figures.
+    /// Positions of the arm's parts at the steps ahead, at the mean of the latent values.
     pub fn forecast(&self, window: &ArmWindow) -> [[ArmPoint; ARM_PARTS]; ARM_STEPS] {
         let now = inputs(window);
         let latent = self.encoder.apply(&now);
@@ -85,7 +86,7 @@ impl DestinationNets {
         })
     }
 
-    /// What is wrong with its shape or figures.
+    /// What is wrong with the nets' shapes or weights, if anything.
     pub fn fault(&self) -> Option<String> {
         let encoder = self.encoder.fault(&[INPUTS, HIDDEN, 2 * LATENT]);
         let decoder = encoder.or_else(|| self.decoder.fault(&[LATENT, HIDDEN, 3]));

@@ -1,7 +1,7 @@
-//! Learning of nets that say where a hand will end.
+//! Training of nets that predict where a hand will end.
 //!
-//! Main function: [`learn_ends`]. What is learned is the probability of the right place among its candidates, at every
-//! step of the movement. Refuses: to know people apart.
+//! Main function: [`learn_ends`]. The loss is the probability of the right place among its candidates, at every step of
+//! the movement. Refuses: to know people apart.
 
 use super::adam::Adam;
 use super::course::{motions, rate_at, shuffle, step_weights};
@@ -13,29 +13,29 @@ use giveway_people::reach::net::squash::exp;
 use giveway_people::reach::net::{Affine, Lstm};
 use giveway_sim::random::Stream;
 
-/// How it is learned.
+/// Parameters of the training.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndCourse {
     /// Size of the state.
     pub hidden: usize,
-    /// Times every movement is seen.
+    /// Number of passes over all movements.
     pub epochs: usize,
-    /// Movements of a batch.
+    /// Number of movements in a batch.
     pub batch: usize,
-    /// Length of the first steps; they shrink to a fiftieth.
+    /// First learning rate; it shrinks to a fiftieth.
     pub rate: f32,
     /// Share of inputs that are dropped.
     pub dropout: f64,
-    /// Decay of weights.
+    /// Weight decay.
     pub decay: f32,
     /// How movements are varied.
     pub variety: Variety,
-    /// How those of people left out are varied before temperatures and regions are fitted: for people who are less
-    /// alike than those that were learned from.
+    /// How movements of left-out people are varied before temperatures and regions are fitted: for people who differ
+    /// more than those who were learned from.
     pub strangers: Option<Variety>,
 }
 
-/// Learns a net from movements.
+/// Trains a net on movements.
 pub fn learn_ends(items: &[ReachItem], course: &EndCourse, chance: &mut Stream) -> EndNet {
     let mut net =
         EndNet { memory: lstm(BODY, course.hidden, chance), out: affine(course.hidden, END_FIGURES, chance) };

@@ -1,6 +1,6 @@
-//! Learning of where eyes look when only the head is seen.
+//! Learning where eyes look if only the head is seen.
 //!
-//! Main functions: [`fit_gaze`], [`learn_gaze_net`], [`gaze_pairs`]. Lengths of errors count, not their squares
+//! Main functions: [`fit_gaze`], [`learn_gaze_net`], [`gaze_pairs`]. The loss uses lengths of errors, not their squares
 //! (least squares with weights, repeated). Refuses: a claim about others from one wearer.
 
 use super::perceptron::{Bend, Perceptron, learn_map};
@@ -11,7 +11,7 @@ use giveway_people::reach::sample::{angles, ray};
 use giveway_sim::random::Stream;
 use nalgebra::{SMatrix, SVector};
 
-/// Samples that count begin so late, seconds before the end of a trial.
+/// First sample that counts, seconds before the end of a trial.
 pub const GAZE_FROM_S: f64 = -1.8;
 /// Neurons of the published net (section 5.2.3).
 const HIDDEN: usize = 10;
@@ -22,13 +22,13 @@ const ROUNDS: usize = 12;
 pub struct GazePair {
     /// Head angles.
     pub head: (f64, f64),
-    /// Radians per second.
+    /// Speed of the head angles, radians per second.
     pub speed: (f64, f64),
     /// Eye angles.
     pub eye: (f64, f64),
 }
 
-/// What counts of a trial.
+/// The samples of a trial that count.
 pub fn gaze_pairs(trial: &GazeTrial) -> Vec<GazePair> {
     let pair = |i: usize| {
         let (now, before) = (trial.samples[i], trial.samples[i.saturating_sub(2)]);
@@ -86,14 +86,14 @@ pub fn learn_gaze_from(inputs: usize, seen: &[f32], eyes: &[f32], chance: &mut S
     net
 }
 
-/// Yaw and pitch that the published net says.
+/// Yaw and pitch by the published net.
 fn gaze_of(net: &Perceptron, head: (f64, f64)) -> (f64, f64) {
     let unit: [f32; 3] = ray(head.0, head.1).map(|v| v as f32).into();
     let said = net.apply(&unit);
     angles(ArmVector::new(said[0].into(), said[1].into(), said[2].into()))
 }
 
-/// The net's shape.
+/// What is wrong with the net's shape, if anything.
 pub(super) fn gaze_net_fault(net: &Perceptron) -> Option<String> {
     net.fault(&[3, HIDDEN, 3])
 }

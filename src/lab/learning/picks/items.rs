@@ -1,16 +1,17 @@
 //! Reaches to learn from, recorded or simulated, and how they are varied.
 //!
-//! Main types: [`ReachItem`], [`Variety`]. A few people stand for many only if what differs between people is varied:
-//! size, direction, pace, how far a head turns, where a hand ends. Refuses: to change which place is the right one.
+//! Main types: [`ReachItem`], [`Variety`]. A few people can represent many only if what differs between people is
+//! varied: size, direction, pace, how far a head turns, where a hand ends. Refuses: to change which place is the right
+//! one.
 
 use crate::picks::{PickRecording, RecordedReach};
 use giveway_people::reach::{ArmPoint, ArmSample, ArmVector, ReachTarget};
 use giveway_sim::random::Stream;
 
-/// One movement with the places it may have gone to.
+/// One movement with its candidate places.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReachItem {
-    /// Who moved.
+    /// Number of the person.
     pub person: usize,
     /// Samples in order of time.
     pub samples: Vec<ArmSample>,
@@ -18,9 +19,9 @@ pub struct ReachItem {
     pub onset: usize,
     /// Index of the sample at the arrival.
     pub arrival: usize,
-    /// Candidates.
+    /// Candidate places.
     pub targets: Vec<ReachTarget>,
-    /// The right one.
+    /// Index of the right candidate.
     pub right: usize,
     /// The candidates' numbers among all places; empty where places have none.
     pub places: Vec<usize>,
@@ -41,37 +42,37 @@ impl ReachItem {
     }
 }
 
-/// How much items are varied: standard deviations.
+/// Standard deviations of variations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Variety {
-    /// Share of all lengths.
+    /// Relative variation of all lengths.
     pub size: f64,
-    /// Share of all times.
+    /// Relative variation of all times.
     pub pace: f64,
-    /// Direction of the body, radians.
+    /// Variation of the body's direction, radians.
     pub turn: f64,
-    /// Share of the head's turn.
+    /// Relative variation of the head's turn.
     pub gain: f64,
-    /// Where a head points that points ahead, radians.
+    /// Variation of the head's direction when it faces ahead, radians.
     pub bias: f64,
-    /// Where a hand ends, metres.
+    /// Variation of the hand's end, metres.
     pub ends: f64,
-    /// Measured places, metres.
+    /// Noise of measured positions, metres.
     pub noise: f64,
 }
 
 /// Step of the nets, seconds.
 pub const STEP_S: f64 = 0.04;
 
-/// Most steps of rest before a movement.
+/// Largest number of steps of rest before a movement.
 const LONGEST_REST: usize = 8;
 
 impl Variety {
-    /// As much as people differ.
+    /// Variations as large as the differences between people.
     pub const PEOPLE: Variety =
         Variety { size: 0.06, pace: 0.10, turn: 0.06, gain: 0.15, bias: 0.05, ends: 0.02, noise: 0.001 };
 
-    /// A variation of a movement.
+    /// A random variation of a movement.
     pub fn vary(&self, item: &ReachItem, chance: &mut Stream) -> ReachItem {
         let mut limited = |sd: f64| sd * chance.normal().clamp(-2.5, 2.5);
         let (size, pace) = (1.0 + limited(self.size), 1.0 + limited(self.pace));
@@ -116,14 +117,14 @@ impl Variety {
     }
 }
 
-/// The samples behind so many steps of rest, so that nothing can be told from how long a person was seen.
+/// The samples after `steps` steps of rest, so that how long a person was seen tells nothing.
 fn still_before(samples: Vec<ArmSample>, steps: usize) -> Vec<ArmSample> {
     let first = samples[0];
     let still = |k: usize| ArmSample { at_s: first.at_s - (steps - k) as f64 * STEP_S, ..first };
     (0..steps).map(still).chain(samples).collect()
 }
 
-/// The samples at steps of [`STEP_S`], the first one so much after the first sample.
+/// The samples resampled to [`STEP_S`], the first one `first_s` after the first sample.
 pub fn stepped(samples: &[ArmSample], first_s: f64) -> Vec<ArmSample> {
     let (begin, end) = (samples[0].at_s + first_s, samples[samples.len() - 1].at_s);
     let count = ((end - begin) / STEP_S + 1e-6).floor().max(0.0) as usize + 1;

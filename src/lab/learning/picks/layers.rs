@@ -1,8 +1,8 @@
 //! Back-propagation through layers, for batches of sequences (Werbos 1990).
 //!
-//! Main types: [`Sequence`] (shape of a batch), [`LstmTape`], [`ElmanTape`]. Numbers lie by time, then by sequence of
-//! the batch, then by figure. Gradients have the form of the layer itself. The order of additions is fixed, so the
-//! same data give the same bytes. Refuses: to choose what is learned.
+//! Main types: [`Sequence`] (shape of a batch), [`LstmTape`], [`ElmanTape`]. Numbers are ordered by time, then by
+//! sequence of the batch, then by feature. Gradients have the form of the layer itself. The order of additions is
+//! fixed, so the same data give the same bytes. Refuses: to choose what is learned.
 
 use giveway_people::reach::net::squash::{sigmoid, tanh};
 use giveway_people::reach::net::{Affine, Elman, Lstm, add_product};
@@ -11,9 +11,9 @@ use giveway_sim::random::Stream;
 /// Shape of a batch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Sequence {
-    /// Steps of time.
+    /// Number of time steps.
     pub steps: usize,
-    /// Sequences beside one another.
+    /// Number of sequences.
     pub rows: usize,
 }
 
@@ -81,7 +81,7 @@ pub(super) fn elman(inputs: usize, hidden: usize, chance: &mut Stream) -> Elman 
     Elman { inputs, map: affine(inputs + hidden, hidden, chance) }
 }
 
-/// Back through an affine map: adds to the gradient, and to `dx` if it is wanted.
+/// Back through an affine map: adds to the gradient, and to `dx` if given.
 pub(super) fn affine_back(
     layer: &Affine,
     x: &[f32],
@@ -98,12 +98,12 @@ pub(super) fn affine_back(
     }
 }
 
-/// What a memory did with a batch: gates after their functions, cells, and states.
+/// Intermediate values of a memory for a batch: gates after their functions, cells, and states.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LstmTape {
     gates: Vec<f32>,
     cells: Vec<f32>,
-    /// States, those before the first step included.
+    /// States, including those before the first step.
     states: Vec<f32>,
     slopes: Vec<f32>,
     shape: Sequence,
@@ -121,7 +121,7 @@ impl LstmTape {
         (&self.states[self.states.len() - size..], &self.cells[self.cells.len() - size..])
     }
 
-    /// Runs a batch, from states and cells of zero or from given ones.
+    /// Runs a batch, from zero states and cells or from given ones.
     pub fn run(&mut self, layer: &Lstm, x: &[f32], shape: Sequence, start: Option<(&[f32], &[f32])>) {
         self.shape = shape;
         let Sequence { steps, rows } = shape;
@@ -163,8 +163,8 @@ impl LstmTape {
         }
     }
 
-    /// Back through all steps: `dh` is the gradient at each state, `end` at the last state and cell from elsewhere.
-    /// Adds to the layer's gradient and to `dx`; returns the gradient at the first state and cell.
+    /// Back through all steps: `dh` is the gradient at each state, `end` a further one at the last state and cell. Adds
+    /// to the layer's gradient and to `dx`; returns the gradient at the first state and cell.
     pub fn back(
         &mut self,
         layer: &Lstm,
@@ -210,7 +210,7 @@ impl LstmTape {
     }
 }
 
-/// Gradients before the gates' functions of one row at one step; `dc` goes on to the step before.
+/// Gradients before the gates' functions of one row at one step; `dc` continues to the step before.
 fn gate_slopes(z: &[f32], d: &mut [f32], old: &[f32], new: &[f32], dh: &[f32], dc: &mut [f32]) {
     let n = old.len();
     let ((i, z), (di, d)) = (z.split_at(n), d.split_at_mut(n));
@@ -227,7 +227,7 @@ fn gate_slopes(z: &[f32], d: &mut [f32], old: &[f32], new: &[f32], dh: &[f32], d
     }
 }
 
-/// What a recurrent layer did with a batch.
+/// Intermediate values of a recurrent layer for a batch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ElmanTape {
     states: Vec<f32>,
@@ -240,7 +240,7 @@ impl ElmanTape {
         &self.states[rows * hidden..]
     }
 
-    /// Runs a batch from states of zero.
+    /// Runs a batch from zero states.
     pub fn run(&mut self, layer: &Elman, x: &[f32], shape: Sequence) {
         let Sequence { steps, rows } = shape;
         let n = layer.map.outputs;
@@ -298,7 +298,7 @@ impl ElmanTape {
 mod tests {
     use super::*;
 
-    /// A loss that is a weighted sum of all states, so that its gradient at them is known.
+    /// A loss that is a weighted sum of all states, so that its gradient is known.
     fn loss(states: &[f32]) -> f64 {
         states.iter().enumerate().map(|(i, s)| f64::from(*s) * libm::sin(i as f64)).sum()
     }
@@ -307,7 +307,7 @@ mod tests {
         (0..count).map(|i| libm::sin(i as f64) as f32).collect()
     }
 
-    /// The difference quotient of some weights beside the gradient.
+    /// Compares the gradient with the difference quotient for some weights.
     fn check(analytic: &[f32], mut loss_with: impl FnMut(usize, f32) -> f64) {
         for i in (0..analytic.len()).step_by(7) {
             let quotient = (loss_with(i, 1e-2) - loss_with(i, -1e-2)) / 2e-2;

@@ -1,4 +1,4 @@
-//! Learning of everything about people at arm's length.
+//! Learns the whole model of people at arm's length.
 //!
 //! Main function: [`learn_picks`]. Refuses: fewer than three people, since some must be left out.
 
@@ -23,27 +23,27 @@ use giveway_people::reach::mixtures::PalmMixture;
 use giveway_people::reach::model::{ArmModel, LeftOutScores, PICK_MODEL_VERSION, PickModel, SlotModel};
 use giveway_sim::random::Stream;
 
-/// What is asked of a course of learning.
+/// Parameters of the whole training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PickCourse {
-    /// Seed of all chance.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// The command that makes the file again.
+    /// The command that reproduces the file.
     pub command: String,
-    /// For where hands end.
+    /// Parameters for the nets of where hands end.
     pub ends: EndCourse,
-    /// Whether published methods are learned, too.
+    /// Whether published methods are trained, too.
     pub published: bool,
-    /// Share of the way that gaze is drawn to probable places, where it cannot be learned.
+    /// Share by which gaze is drawn to probable places, if that cannot be learned.
     pub drawn: f64,
 }
 
-/// Weights of mixtures beside the nets that are tried.
+/// Weights of mixtures beside the nets to try.
 const MIXED: [f64; 6] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3];
-/// Every so many windows the slow published methods learn from.
+/// The slow published methods learn from every `EVERY`-th window.
 const EVERY: usize = 4;
 
-/// Learns.
+/// Trains everything and gives the model.
 pub fn learn_picks(lessons: &PickLessons, course: &PickCourse, mut tell: impl FnMut(&str)) -> LearnedPicks {
     let (nets, left_out) = learn_slots(lessons, &course.ends, course.seed, &mut tell);
     let (arms, forecasts) = learn_arms(lessons, course.ends.strangers, course.seed, &mut tell);
@@ -87,7 +87,7 @@ pub fn learn_picks(lessons: &PickLessons, course: &PickCourse, mut tell: impl Fn
     LearnedPicks { model, published }
 }
 
-/// Figures on people left out.
+/// Scores on people left out.
 fn scores_of(
     lessons: &PickLessons,
     left_out: &[Scored],
@@ -116,8 +116,8 @@ fn scores_of(
     }
 }
 
-/// Scores of a movement's candidates by palm mixtures at the ten parts of its way: of observed points alone, and of
-/// forecast ones as well. `mixtures[i]` is that of candidate `i`.
+/// Scores of a movement's candidates by palm mixtures at the ten parts of its way: from observed points alone, or from
+/// forecast ones as well. `mixtures[i]` belongs to candidate `i`.
 pub fn mixture_scores(
     item: &ReachItem,
     mixtures: &[Option<&PalmMixture>],
@@ -138,7 +138,7 @@ pub fn mixture_scores(
     crate::picks::way_samples(item).into_iter().map(score).collect()
 }
 
-/// A mixture per place from movements that are not left out.
+/// One mixture per place, from movements of selected people.
 fn mixtures_of(lessons: &PickLessons, is_one: impl Fn(usize) -> bool) -> Vec<PalmMixture> {
     let of = |place: usize| {
         let own = lessons.items.iter().filter(|i| i.places[i.right] == place && is_one(i.person));
@@ -157,12 +157,12 @@ pub fn candidates_of<'a>(
     item.places.iter().map(|p| mixtures.iter().find(|m| m.place == names[*p])).collect()
 }
 
-/// The weight with which mixtures help the nets most on people left out, and the sharpness of both together.
+/// The weight of mixtures beside the nets that helps most on people left out, and the sharpness of both together.
 fn share_of_mixtures(lessons: &PickLessons, left_out: &[Scored], arm: &ArmModel) -> [f64; 2] {
     const GROUPS: usize = 2;
     let by_group: Vec<Vec<PalmMixture>> =
         (0..GROUPS).map(|g| mixtures_of(lessons, |p| lessons.group(p, GROUPS) != g)).collect();
-    // A share of the movements is enough to choose one number.
+    // Some of the movements are enough to choose one number.
     let some: Vec<&Scored> = left_out.iter().step_by(3).collect();
     let scores = |s: &Scored| {
         let item = &lessons.items[s.item];
@@ -183,7 +183,7 @@ fn share_of_mixtures(lessons: &PickLessons, left_out: &[Scored], arm: &ArmModel)
     tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or([0.0, 1.0], |best| best.1)
 }
 
-/// Both scores, weighted.
+/// The weighted sum of both scores.
 pub(super) fn mix(net: &Scored, mixture: &Scored, share: f64) -> Scored {
     let rows = net.scores.iter().zip(&mixture.scores);
     let sum = |(a, b): (&Vec<f64>, &Vec<f64>)| {
@@ -201,8 +201,8 @@ fn learn_published(
 ) -> PublishedPicks {
     let mut nets = Vec::new();
     for (v, variant) in PlaceVariant::ALL.into_iter().enumerate() {
-        // Those for all places together: once for the nearest ones, and once for all. Shared weights learn from all
-        // movements among places of one distance.
+        // Variants for all places together: one net for the nearest places, and one for all. Shared weights learn from
+        // all movements among places of one distance.
         let (all, layers) = lessons.lists.split_last().expect("there is a list of all places");
         let nearest = layers.first().unwrap_or(all);
         let count = |list: &[ReachItem]| list.first().map_or(0, |i| i.targets.len());
@@ -250,7 +250,7 @@ fn learn_published(
     PublishedPicks { nets, mixtures, observed, ahead, both: [0.0, 1.0], seq2seq, bones, vae, gaze }
 }
 
-/// A variant, its sharpness from a net that was learned from half of the people and asked about the others.
+/// A trained variant; its sharpness comes from a net that learned from half of the people and was scored on the others.
 fn published_net(
     lessons: &PickLessons,
     items: &[ReachItem],
@@ -291,7 +291,7 @@ mod tests {
         tally.score().unwrap()
     }
 
-    /// Simulated people, some to learn from and others to ask.
+    /// Simulated people, some to learn from and others for scoring.
     fn halves() -> (PickLessons, PickLessons) {
         let (all, _) = simulated_lessons(24, 5);
         (all.only(|p| p < 16), all.only(|p| p >= 16))

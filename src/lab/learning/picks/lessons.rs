@@ -1,4 +1,4 @@
-//! What there is to learn from: movements of people, and how people are left out.
+//! Training data: movements of people, and how people are left out.
 //!
 //! Main type: [`PickLessons`]. Refuses: movements of one person on both sides of a cut.
 
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Movements and eyes of people.
 #[derive(Clone, Debug, Default)]
 pub struct PickLessons {
-    /// Where they come from.
+    /// Names of the data sources.
     pub sources: Vec<String>,
     /// Names of people; [`ReachItem::person`] counts them.
     pub people: Vec<String>,
@@ -17,14 +17,14 @@ pub struct PickLessons {
     pub items: Vec<ReachItem>,
     /// Names of places; [`ReachItem::places`] counts them.
     pub places: Vec<String>,
-    /// Movements among fixed lists of places: one list of movements for each.
+    /// Movements among fixed lists of places: one list of movements for each list of places.
     pub lists: Vec<Vec<ReachItem>>,
     /// Eyes and heads.
     pub gaze: Vec<GazeTrial>,
 }
 
 impl PickLessons {
-    /// All movements of recordings.
+    /// The lessons from all movements of recordings.
     pub fn of(recordings: &[(String, PickRecording)]) -> PickLessons {
         let mut lessons = PickLessons::default();
         for (name, recording) in recordings {
@@ -45,7 +45,7 @@ impl PickLessons {
             })
         };
         let numbers: Vec<usize> = names.iter().map(&mut number).collect();
-        // Places of one distance have names with one last sign.
+        // The names of places of one distance end in the same character.
         let mut layers: BTreeMap<Option<char>, Vec<usize>> = BTreeMap::new();
         for (i, name) in names.iter().enumerate() {
             layers.entry(name.chars().last()).or_default().push(i);
@@ -72,7 +72,7 @@ impl PickLessons {
         self.gaze.extend(recording.gaze.iter().cloned());
     }
 
-    /// Those of some people.
+    /// The lessons of some people.
     pub fn only(&self, is_one: impl Fn(usize) -> bool) -> PickLessons {
         let of = |items: &[ReachItem]| items.iter().filter(|i| is_one(i.person)).cloned().collect();
         PickLessons {
@@ -85,13 +85,13 @@ impl PickLessons {
         }
     }
 
-    /// Indices of people of whom there are movements.
+    /// Indices of the people with movements.
     pub fn present(&self) -> Vec<usize> {
         let all: std::collections::BTreeSet<usize> = self.items.iter().map(|i| i.person).collect();
         all.into_iter().collect()
     }
 
-    /// The group of a person, of so many.
+    /// The group of a person, out of `groups`.
     pub fn group(&self, person: usize, groups: usize) -> usize {
         self.present().iter().position(|p| *p == person).unwrap_or(0) % groups
     }

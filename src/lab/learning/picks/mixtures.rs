@@ -1,20 +1,20 @@
 //! Fits sums of Gaussians to palm points (expectation maximisation, Dempster, Laird and Rubin 1977).
 //!
-//! Main functions: [`fit_mixture`], [`palm_points`]. How many Gaussians is chosen by Schwarz's criterion. Refuses:
-//! chance; the first guess cuts the way into pieces of equal length.
+//! Main functions: [`fit_mixture`], [`palm_points`]. Schwarz's criterion chooses the number of Gaussians. Refuses:
+//! random numbers; the first guess cuts the way into pieces of equal length.
 
 use super::items::ReachItem;
 use giveway_people::reach::ArmVector;
 use giveway_people::reach::mixtures::{PalmGaussian, PalmMixture};
 use nalgebra::Matrix3;
 
-/// Numbers of Gaussians that are tried.
+/// Numbers of Gaussians to try.
 const TRIED: [usize; 4] = [3, 6, 9, 12];
 const ROUNDS: usize = 25;
-/// No Gaussian is narrower, metres: people differ by more.
+/// Least width of a Gaussian, metres: people differ by more.
 const NARROWEST_M: f64 = 0.015;
 
-/// Palm points on the way, relative to the shoulder, with how much of the way is behind them.
+/// Palm points on the way, relative to the shoulder, each with the share of the way behind it.
 pub fn palm_points(item: &ReachItem) -> Vec<(f64, ArmVector)> {
     let count = (item.arrival - item.onset).max(1) as f64;
     let share = |t: usize| (t - item.onset) as f64 / count;
@@ -22,7 +22,7 @@ pub fn palm_points(item: &ReachItem) -> Vec<(f64, ArmVector)> {
     (item.onset..=item.arrival).map(point).collect()
 }
 
-/// The mixture of one place; nothing of too few points.
+/// The mixture of one place; nothing if there are too few points.
 pub fn fit_mixture(place: &str, mut points: Vec<(f64, ArmVector)>) -> Option<PalmMixture> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let points: Vec<ArmVector> = points.into_iter().map(|p| p.1).collect();

@@ -1,8 +1,8 @@
 //! Learning about people at arm's length: which place a hand goes to, where the arm will be, where the eyes look.
 //!
-//! Main types: [`PickLessons`] (what there is to learn from), [`LearnedPicks`] (what was learned); main function:
-//! [`learn_picks`]. Back-propagation through time, dropout and Adam are written out, so that the same data and the
-//! same seed give the same bytes. Refuses: to read files, and to judge a net by people it was learned from.
+//! Main types: [`PickLessons`] (training data), [`LearnedPicks`] (the results); main function: [`learn_picks`].
+//! Back-propagation through time, dropout and Adam are written out, so that the same data and the same seed give the
+//! same bytes. Refuses: to read files, and to judge a net by people it was learned from.
 
 mod adam;
 mod arm;

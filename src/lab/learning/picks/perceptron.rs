@@ -15,42 +15,42 @@ use serde::{Deserialize, Serialize};
 pub enum Bend {
     /// Hyperbolic tangent.
     Tanh,
-    /// Nothing below zero.
+    /// Zero below zero, identity above.
     Relu,
 }
 
-/// Layers with a bend between each two.
+/// Layers with a nonlinear function between each two.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Perceptron {
-    /// Between layers.
+    /// The function between layers.
     pub bend: Bend,
-    /// From input to output.
+    /// The layers, from input to output.
     pub layers: Vec<Affine>,
 }
 
-/// What a perceptron did with a batch: the input of every layer.
+/// Intermediate values of a batch: the input of every layer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PerceptronTape {
     inputs: Vec<Vec<f32>>,
-    /// What came out.
+    /// Outputs of the batch.
     pub output: Vec<f32>,
 }
 
 impl Perceptron {
-    /// Random weights for these widths.
+    /// A perceptron of these widths with random weights.
     pub(super) fn new(widths: &[usize], bend: Bend, chance: &mut Stream) -> Perceptron {
         let layers = widths.windows(2).map(|w| affine(w[0], w[1], chance)).collect();
         Perceptron { bend, layers }
     }
 
-    /// All zero, for gradients.
+    /// A perceptron of the same shape with zero weights, for gradients.
     pub(super) fn zeros(&self) -> Perceptron {
         let layers = self.layers.iter().map(|l| Affine::new(l.inputs, l.outputs)).collect();
         Perceptron { bend: self.bend, layers }
     }
 
-    /// The output of one or several inputs.
+    /// The output for one or several inputs.
     pub fn apply(&self, x: &[f32]) -> Vec<f32> {
         let mut tape = PerceptronTape::default();
         tape.run(self, x);
@@ -62,7 +62,7 @@ impl Perceptron {
         self.layers.iter_mut().flat_map(|l| [&mut l.weights[..], &mut l.bias[..]]).collect()
     }
 
-    /// What is wrong with its shape or figures.
+    /// What is wrong with the net's shape or weights, if anything.
     pub fn fault(&self, widths: &[usize]) -> Option<String> {
         if self.layers.len() + 1 != widths.len() {
             return Some(format!("a net of {} layers must have {}", self.layers.len(), widths.len() - 1));
@@ -91,7 +91,7 @@ impl PerceptronTape {
         self.output = x;
     }
 
-    /// Back: adds to the gradient, returns the gradient at the input.
+    /// Back-propagates: adds to the gradient, returns the gradient at the input.
     pub fn back(&self, net: &Perceptron, slopes: &[f32], gradient: &mut Perceptron) -> Vec<f32> {
         let mut d = slopes.to_vec();
         for (i, layer) in net.layers.iter().enumerate().rev() {
@@ -111,7 +111,7 @@ impl PerceptronTape {
     }
 }
 
-/// Learns a map from pairs of rows by their mean squared error.
+/// Trains a map on pairs of rows by their mean squared error.
 pub(super) fn learn_map(
     net: &mut Perceptron,
     x: &[f32],

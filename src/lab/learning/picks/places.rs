@@ -1,6 +1,6 @@
-//! Learning of the published predictor and its variants.
+//! Training of the published predictor and its variants.
 //!
-//! Main types: [`PlaceShape`], [`PlaceCourse`], [`PlaceBatch`]; main functions: [`teach_places`] (from any figures),
+//! Main types: [`PlaceShape`], [`PlaceCourse`], [`PlaceBatch`]; main functions: [`teach_places`] (from any features),
 //! [`learn_places`] (from reaches), [`batch_scores`], [`place_scores`]. Corrected: the likelihood of the right place
 //! among all its candidates is learned, instead of yes or no for each with most of the no's thrown away. Refuses:
 //! groups of different sizes in one net.
@@ -18,24 +18,24 @@ use giveway_sim::random::Stream;
 /// A variant of the published predictor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlaceVariant {
-    /// Memories with shared weights on selected figures.
+    /// Long short-term memories with shared weights on selected features.
     Lstm,
-    /// The same on all figures, pressed through a narrow layer.
+    /// The same memories on all features, passed through a narrow layer.
     Mlp,
-    /// Plain recurrent layers with shared weights on selected figures.
+    /// Plain recurrent layers with shared weights on selected features.
     Rnn,
-    /// One memory for all places, selected figures.
+    /// One memory for all places, selected features.
     Full,
-    /// One memory for all places, all figures.
+    /// One memory for all places, all features.
     All,
 }
 
 impl PlaceVariant {
-    /// All of them.
+    /// All variants.
     pub const ALL: [PlaceVariant; 5] =
         [PlaceVariant::Lstm, PlaceVariant::Mlp, PlaceVariant::Rnn, PlaceVariant::Full, PlaceVariant::All];
 
-    /// Its name in tables.
+    /// The variant's name in tables.
     pub fn word(self) -> &'static str {
         match self {
             PlaceVariant::Lstm => "lstm",
@@ -46,7 +46,7 @@ impl PlaceVariant {
         }
     }
 
-    /// Whether it has one net for all places, so that their number is fixed.
+    /// Whether the variant has one net for all places, so that their number is fixed.
     pub fn is_whole(self) -> bool {
         matches!(self, PlaceVariant::Full | PlaceVariant::All)
     }
@@ -73,54 +73,54 @@ impl PlaceVariant {
 /// Sizes of a net.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlaceShape {
-    /// Places beside one another.
+    /// Number of places evaluated together.
     pub places: usize,
     /// Size of the state.
     pub hidden: usize,
-    /// Figures of a place.
+    /// Number of features of a place.
     pub all: usize,
-    /// Those of them that were selected; they come first.
+    /// Number of selected features; they come first.
     pub selected: usize,
-    /// Numbers in the narrow layer.
+    /// Width of the narrow layer.
     pub narrow: usize,
-    /// Numbers behind the narrow layer.
+    /// Number of outputs after the narrow layer.
     pub wide: usize,
 }
 
-/// Movements with equally many candidates, as a net sees them.
+/// Movements with equal numbers of candidates, as input of a net.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlaceBatch {
-    /// Steps of the longest movement.
+    /// Number of steps of the longest movement.
     pub steps: usize,
-    /// Candidates of every movement.
+    /// Number of candidates of every movement.
     pub places: usize,
-    /// By step, then by movement, then by candidate, the net's figures; zero behind the end of a shorter movement.
+    /// The net's features by step, then by movement, then by candidate; zero after the end of a shorter movement.
     pub figures: Vec<f32>,
-    /// The right candidate of every movement.
+    /// Index of the right candidate of every movement.
     pub right: Vec<usize>,
-    /// What the steps of every movement count.
+    /// Weights of the steps of every movement.
     pub weights: Vec<Vec<f32>>,
 }
 
-/// How it is learned.
+/// Parameters of the training.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaceCourse {
     /// Size of the state.
     pub hidden: usize,
-    /// Times every movement is seen.
+    /// Number of passes over all movements.
     pub epochs: usize,
-    /// Movements of a batch.
+    /// Number of movements in a batch.
     pub batch: usize,
-    /// Length of the first steps (0.01 as published).
+    /// First learning rate (0.01 as published).
     pub rate: f32,
 }
 
 impl PlaceCourse {
-    /// For two slow cores: a smaller state than the published 128 and fewer epochs than 100.
+    /// Parameters for two slow cores: a smaller state than the published 128 and fewer epochs than 100.
     pub const SHORT: PlaceCourse = PlaceCourse { hidden: 16, epochs: 10, batch: 16, rate: 0.01 };
 }
 
-/// What a net did with a batch.
+/// Intermediate values of a batch.
 #[derive(Default)]
 struct PlaceTape {
     shape: Sequence,
@@ -209,7 +209,7 @@ impl PlaceTape {
     }
 }
 
-/// Learns from so many movements; `batch` shows the net those of these numbers.
+/// Trains on `count` movements; `batch` gives the net's input for those of these numbers.
 pub fn teach_places(
     mut net: PlaceNet,
     movements: usize,
@@ -237,7 +237,7 @@ pub fn teach_places(
     net
 }
 
-/// Learns a variant from movements that have equally many candidates.
+/// Trains a variant on movements with equal numbers of candidates.
 pub fn learn_places(
     variant: PlaceVariant,
     items: &[ReachItem],
@@ -256,7 +256,7 @@ pub fn learn_places(
     })
 }
 
-/// Reaches with equally many candidates, as a net of so many figures sees them.
+/// Reaches with equal numbers of candidates, as input of a net with that many features.
 fn batch_of(items: &[ReachItem], count: usize) -> PlaceBatch {
     let places = items[0].targets.len();
     let (steps, rows) = (items.iter().map(|i| i.samples.len()).max().unwrap_or(0), items.len() * places);

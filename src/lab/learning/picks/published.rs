@@ -1,4 +1,4 @@
-//! What was learned of published methods, to compare with.
+//! Trained published methods, for comparison.
 //!
 //! Main types: [`PublishedPicks`], [`LearnedPicks`] (a whole file). Refuses: to be used for anything but tables.
 
@@ -13,23 +13,23 @@ use giveway_people::reach::model::{PickModel, PickModelError};
 use giveway_people::reach::places::PlaceNet;
 use serde::{Deserialize, Serialize};
 
-/// One variant of the published predictor.
+/// One trained variant of the published predictor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedNet {
-    /// Its name: `lstm`, `mlp`, `rnn`, `full` or `all`.
+    /// Name of the variant: `lstm`, `mlp`, `rnn`, `full` or `all`.
     pub variant: String,
-    /// The net.
+    /// The trained net.
     pub net: PlaceNet,
-    /// Scores are multiplied with it.
+    /// Factor on scores.
     pub sharpness: f64,
 }
 
-/// Everything published that was learned.
+/// All trained published methods.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedPicks {
-    /// Variants; those for all places together once per number of places.
+    /// Variants; those for all places together, once per number of places.
     pub nets: Vec<PublishedNet>,
     /// Palm points per place.
     pub mixtures: Vec<PalmMixture>,
@@ -37,32 +37,31 @@ pub struct PublishedPicks {
     pub observed: f64,
     /// Sharpness of observed and forecast palm points.
     pub ahead: f64,
-    /// Weight of palm mixtures beside the nets of what runs that helps people left out most, and the sharpness of both
-    /// together.
+    /// Weight of palm mixtures beside our nets that helps most on people left out, and the sharpness of both together.
     pub both: [f64; 2],
-    /// Sequence to sequence.
+    /// The sequence-to-sequence net.
     pub seq2seq: SeqToSeq,
-    /// Bones.
+    /// The net of bones.
     pub bones: BoneNet,
-    /// Destination first.
+    /// The destination-first nets.
     pub vae: DestinationNets,
-    /// Gaze.
+    /// The gaze net.
     pub gaze: Option<Perceptron>,
 }
 
-/// A whole file.
+/// Content of a whole file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LearnedPicks {
-    /// What runs.
+    /// The model in use.
     pub model: PickModel,
-    /// What is compared with it.
+    /// Methods to compare with it.
     #[serde(default)]
     pub published: Option<PublishedPicks>,
 }
 
 impl LearnedPicks {
-    /// Reads a file, whose model is checked as [`PickModel::parse`] does.
+    /// Reads a file and checks its model as [`PickModel::parse`] does.
     pub fn parse(text: &str) -> Result<LearnedPicks, PickModelError> {
         PickModel::parse(text)?;
         let learned: LearnedPicks = serde_json::from_str(text)?;
@@ -72,14 +71,14 @@ impl LearnedPicks {
         }
     }
 
-    /// As text, for a file.
+    /// The text for a file.
     pub fn to_json(&self) -> String {
         serde_json::to_string(self).expect("figures are numbers and names") + "\n"
     }
 }
 
 impl PublishedPicks {
-    /// The net of a variant for so many places.
+    /// The net of a variant for this number of places.
     pub fn net(&self, variant: PlaceVariant, places: usize) -> Option<&PublishedNet> {
         let fits = |n: &&PublishedNet| n.variant == variant.word() && [1, places].contains(&n.net.group);
         self.nets.iter().find(fits)

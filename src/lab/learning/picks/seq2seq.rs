@@ -1,7 +1,7 @@
-//! Sequence to sequence (seed 002, section III.A): an encoder and a decoder, ten places of the arm to ten.
+//! Sequence to sequence (seed 002, section III.A): an encoder and a decoder, from ten positions of the arm to ten.
 //!
 //! Main type: [`SeqToSeq`]. Hidden state 128, teacher forcing 0.6, joint weights of equation 1 with its missing index
-//! j. The decoder says displacements; batch normalisation is left out. Refuses: to say how sure it is.
+//! j. The decoder outputs displacements; batch normalisation is left out. Refuses: to state its uncertainty.
 
 use super::adam::Adam;
 use super::arm::ArmWindow;
@@ -13,18 +13,18 @@ use giveway_people::reach::sample::{ARM_PARTS, ArmPoint, ArmSample, ArmVector};
 use giveway_sim::random::Stream;
 use serde::{Deserialize, Serialize};
 
-/// Figures of the arm at one step.
+/// Number of features of the arm at one step.
 const WIDTH: usize = 3 * ARM_PARTS;
-/// As published.
+/// Size of the hidden state, as published.
 const HIDDEN: usize = 128;
-/// Share of decoder steps that are fed the truth while it learns.
+/// Share of decoder steps that are fed the truth during training.
 const TEACHER: f64 = 0.6;
 /// Weights of shoulder, elbow, wrist and palm in equation 1.
 const WEIGHTS: [f32; ARM_PARTS] = [0.08, 0.16, 0.32, 0.44];
-/// Units per metre.
+/// Units of the nets per metre.
 const SCALE: f64 = 5.0;
 
-/// The nets.
+/// The encoder and decoder nets.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SeqToSeq {
@@ -32,11 +32,11 @@ pub struct SeqToSeq {
     pub encoder: Lstm,
     /// Writes the steps ahead.
     pub decoder: Lstm,
-    /// From the decoder's state to displacements.
+    /// Map from the decoder's state to displacements.
     pub out: Affine,
 }
 
-/// The arm relative to a shoulder.
+/// Features of the arm relative to a shoulder.
 fn figures(sample: &ArmSample, shoulder: ArmPoint, out: &mut [f32]) {
     for (out, part) in out.chunks_exact_mut(3).zip(sample.parts()) {
         out.iter_mut().zip(((part - shoulder) * SCALE).iter()).for_each(|(o, v)| *o = *v as f32);
@@ -119,7 +119,7 @@ impl SeqToSeq {
         rows_of(windows, |w, t| &w.after[t])
     }
 
-    /// What the decoder is fed: its own last step, or the truth as often as it is taught.
+    /// Inputs of the decoder: its own last step, or the truth as often as teacher forcing says.
     fn decoder_inputs(
         &self,
         seen: &[f32],
@@ -153,7 +153,7 @@ impl SeqToSeq {
         inputs
     }
 
-    /// Places of the arm's parts at the steps ahead.
+    /// Positions of the arm's parts at the steps ahead.
     pub fn forecast(&self, window: &ArmWindow) -> [[ArmPoint; ARM_PARTS]; ARM_STEPS] {
         let seen = self.seen(&[window]);
         let (mut h, mut c, mut z) = (vec![0.0f32; HIDDEN], vec![0.0f32; HIDDEN], vec![0.0f32; 4 * HIDDEN]);
@@ -172,7 +172,7 @@ impl SeqToSeq {
         })
     }
 
-    /// What is wrong with its shape or figures.
+    /// What is wrong with the nets' shapes or weights, if anything.
     pub fn fault(&self) -> Option<String> {
         let memories = self.encoder.fault(WIDTH).or_else(|| self.decoder.fault(WIDTH));
         if self.encoder.hidden != HIDDEN || self.decoder.hidden != HIDDEN {

@@ -1,7 +1,7 @@
-//! Movements of simulated people to learn from, among places of racks that nobody has seen.
+//! Movements of simulated people to learn from, among places on random racks.
 //!
-//! Main functions: [`simulated_lessons`], [`simulated_reach`]. Every person stands before another rack: rows, columns,
-//! distances and heights differ, and so does how far behind its slots a person looks. Refuses: recordings.
+//! Main functions: [`simulated_lessons`], [`simulated_reach`]. Every person stands before a different rack: rows,
+//! columns, distances and heights differ, and so does how far behind its slots a person looks. Refuses: recordings.
 
 use super::ends::EndCourse;
 use super::items::{ReachItem, STEP_S, Variety};
@@ -13,15 +13,15 @@ use giveway_people::reach::{ArmPoint, ArmSample, ReachTarget};
 use giveway_sim::picker::motion::{ArmBuild, ArmPose, ArmReach};
 use giveway_sim::random::Stream;
 
-/// Reaches of every person.
+/// Number of reaches per person.
 const REACHES: usize = 15;
-/// Below this speed a finger tip rests, metres per second.
+/// A finger tip slower than this rests, metres per second.
 const REST_MPS: f64 = 0.10;
-/// Samples before the onset and after the arrival, as in recordings.
+/// Number of samples before the onset and after the arrival, as in recordings.
 const BEFORE: usize = 5;
 const AFTER: usize = 3;
 
-/// The course for simulated people, who are more and vary by themselves.
+/// Training parameters for simulated people, who are more numerous and already vary.
 pub const SIMULATED_COURSE: EndCourse = EndCourse {
     epochs: 10,
     variety: Variety { size: 0.05, pace: 0.10, turn: 0.08, gain: 0.10, bias: 0.05, ends: 0.02, noise: 0.003 },
@@ -58,7 +58,7 @@ fn rack(build: &ArmBuild, chance: &mut Stream) -> Vec<ReachTarget> {
                     width * share(column, columns),
                     height * share(row, rows),
                 );
-            // Far corners are reached with a bent body or not at all: they are drawn in.
+            // Far corners are reached with a bent body or not at all: they are moved nearer.
             let from = hand - build.shoulder;
             let hand = build.shoulder + from * (1.08 * reach / from.norm()).min(1.0);
             let look = hand + (hand - build.head) * deeper;
@@ -68,8 +68,8 @@ fn rack(build: &ArmBuild, chance: &mut Stream) -> Vec<ReachTarget> {
     places
 }
 
-/// One reach as a recording has it: from shortly before the onset to shortly after the arrival; nothing if the finger
-/// tip was never fast.
+/// One reach as in a recording: from shortly before the onset to shortly after the arrival; nothing if the finger tip
+/// was never fast.
 pub fn simulated_reach(
     build: &ArmBuild,
     places: &[ReachTarget],
@@ -97,7 +97,7 @@ pub fn simulated_reach(
     })
 }
 
-/// Movements and eyes of so many simulated people, and how much their eyes are at the places they reach for.
+/// Movements and eyes of `pickers` simulated people, and how much their eyes are at the places they reach for.
 pub fn simulated_lessons(pickers: usize, seed: u64) -> (PickLessons, f64) {
     let mut lessons = PickLessons {
         sources: vec![format!("{pickers} simulated pickers of seed {seed}")],

@@ -1,8 +1,8 @@
-//! Learning of which place a hand goes to, with people left out.
+//! Training of which place a hand goes to, with people left out.
 //!
-//! Main functions: [`learn_slots`], [`end_scores`], [`sharpness_of`]. One net per group of people that was left out;
-//! all of them together are the predictor, and each one's words about people it never saw give the temperature.
-//! Refuses: temperatures from people that were learned from.
+//! Main functions: [`learn_slots`], [`end_scores`], [`sharpness_of`]. One net per left-out group of people; all nets
+//! together are the predictor, and each one's scores on people it never saw give the temperature. Refuses: temperatures
+//! from people that were learned from.
 
 use super::course::motions;
 use super::ends::{EndCourse, learn_ends};
@@ -14,12 +14,12 @@ use giveway_people::reach::features::BODY;
 use giveway_people::reach::net::squash::softmax;
 use giveway_sim::random::Stream;
 
-/// Groups of people that are left out, and nets that are learned.
+/// Number of groups of people to leave out, and of nets to train.
 pub(super) const GROUPS: usize = 4;
 /// The least probability, as in scores.
 const FLOOR: f64 = 1e-6;
 
-/// Scores of all candidates of a movement, at the ten parts of its way, and which is right.
+/// Scores of all candidates of a movement at the ten parts of its way, with the right candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scored {
     /// Index of the movement.
@@ -30,7 +30,7 @@ pub struct Scored {
     pub right: usize,
 }
 
-/// The course for recorded people.
+/// Training parameters for recorded people.
 pub const END_COURSE: EndCourse = EndCourse {
     hidden: 24,
     epochs: 24,
@@ -63,8 +63,8 @@ pub fn end_scores(net: &EndNet, item: &ReachItem) -> Vec<Vec<f64>> {
     all
 }
 
-/// The mean of several nets' scores. What they differ in for all candidates alike changes no probability among these,
-/// but it is what tells that none of them is meant.
+/// The mean of several nets' scores. A shift common to all candidates changes no probability among them, but it decides
+/// whether none of them is meant.
 pub fn mean_scores(all: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
     let mut mean = vec![vec![0.0; all[0][0].len()]; all[0].len()];
     for scores in all {
@@ -75,7 +75,7 @@ pub fn mean_scores(all: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
     mean
 }
 
-/// At the ten parts of the way only.
+/// The scores at the ten parts of the way only.
 pub fn at_parts(item: &ReachItem, scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
     way_samples(item).into_iter().map(|t| scores[t].clone()).collect()
 }
@@ -95,7 +95,7 @@ pub fn surprise(all: &[Scored], sharpness: f64) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// The sharpness with the least surprise, from a hundredth to a hundred (golden section on its logarithm).
+/// The sharpness of least surprise, from a hundredth to a hundred (golden section on its logarithm).
 pub fn sharpness_of(all: &[Scored]) -> f64 {
     let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
     let (mut low, mut high) = (libm::log(0.01), libm::log(100.0));
@@ -110,7 +110,7 @@ pub fn sharpness_of(all: &[Scored]) -> f64 {
     libm::exp(0.5 * (low + high))
 }
 
-/// The score of "none of these" with the least surprise when every second movement goes to none of the candidates.
+/// The score of "none of these" with the least surprise if every second movement goes to none of the candidates.
 pub(super) fn none_of(all: &[Scored], sharpness: f64) -> f64 {
     let surprise = |none: f64| {
         let mut sum = 0.0;
@@ -132,7 +132,7 @@ pub(super) fn none_of(all: &[Scored], sharpness: f64) -> f64 {
     scored.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(-3.0, |best| best.1)
 }
 
-/// The nets, and what each says about the people it never saw.
+/// The nets, and each net's scores on people it never saw.
 pub(super) fn learn_slots(
     lessons: &PickLessons,
     course: &EndCourse,
