@@ -1,4 +1,4 @@
-//! Whether a hand that moves towards the rack goes to a wrong slot.
+//! Whether a hand that moves towards the rack is heading for a wrong slot.
 //!
 //! Main function: [`aims_wrong`]. Refuses: to name a slot while the lit one is likely enough.
 
@@ -7,27 +7,27 @@ use super::face::{FacePlace, PickFace};
 use super::share::LitShare;
 use giveway_floor::warehouse::SlotName;
 
-/// What a warning for nothing costs, relative to one that does not come: warned is where the odds of a wrong slot
-/// against the lit one are above it.
+/// Cost of a false warning relative to a missed one: a warning is given when the odds of a wrong slot against the lit
+/// one exceed it.
 const COST: f64 = 60.0;
-/// Where a hand goes is known this well of one that is at the face and moves straight in, metres, and so much less for
-/// each metre before the face and for each metre that it would still move sideways.
+/// Uncertainty of where a hand will arrive: metres for a hand at the face that moves straight in, and the addition per
+/// metre before the face and per metre of sideways motion still to come.
 const NEAR_M: f64 = 0.05;
 const PER_M: f64 = 0.06;
 const PER_SIDE: f64 = 0.35;
-/// It goes on sideways for so long as it does now, seconds, or until it is at the face, but not longer than this. A
-/// wrong slot must be the likelier one by both: hands pass other slots on their way along the rack.
+/// Seconds for which the present sideways motion is extrapolated, and the longest extrapolation until the hand is at
+/// the face. A wrong slot must be the likelier one by both: hands pass other slots on their way along the rack.
 const ON_S: f64 = 0.08;
 const ON_MOST_S: f64 = 0.25;
-/// Hands that do not come nearer are not judged, metres per second, and neither are those farther than this, metres.
+/// Slowest approach that is judged, metres per second, and farthest hand from the face that is judged, metres.
 const MOVES_MPS: f64 = 0.15;
 const FAR_M: f64 = 0.12;
-/// … or than this, where the eyes are measured.
+/// Farthest hand from the face that is judged where the eyes are measured, metres.
 const LOOKED_FAR_M: f64 = 0.25;
 
-/// The slot that is the likeliest one where a hand goes, if the odds of all others together against the lit one are
-/// high enough for a warning. The person goes to the lit slot with the probability `share`, before anything is seen of
-/// the hand; the hand is here and moves so, and the eyes, where they are measured, rest on something.
+/// The likeliest slot for a hand, if the odds of all other slots together against the lit one are high enough for a
+/// warning. `share` is the probability that the person goes to the lit slot before anything is seen of the hand; `at`
+/// and `velocity` are the hand's, and `looked` is what the eyes rest on, where they are measured.
 pub(super) fn aims_wrong(
     face: &PickFace,
     (lit, share): (SlotName, LitShare),
@@ -48,7 +48,7 @@ pub(super) fn aims_wrong(
     by(to_face_s).and(by(ON_S))
 }
 
-/// The same, where a hand would be in front of a slot at this place.
+/// As `aims_wrong`, for a hand that would arrive in front of the slots at this place with this uncertainty.
 fn wrong_by(
     face: &PickFace,
     (lit, share): (SlotName, f64),

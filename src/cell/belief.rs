@@ -1,4 +1,4 @@
-//! To which slot or tote each hand at a work cell goes, with probabilities that were learned.
+//! To which slot or tote each hand at a work cell goes, with learned probabilities.
 //!
 //! Main types: [`ReachBeliefs`], [`ReachPlace`]. Shoulders and elbows follow from head and hands; where this person's
 //! hand ends in a slot is learned from each grasp, and kept no longer than hands are seen. Refuses: to decide anything.
@@ -13,14 +13,14 @@ use giveway_people::reach::{ArmPoint, PickModel, ReachTarget, SlotTracker};
 use smallvec::SmallVec;
 use std::sync::Arc;
 
-/// A hand ends so far behind a slot's front before anything was learned, metres …
+/// Depth behind a slot's front at which a hand is expected to end before anything is learned, metres …
 const DEEP_M: f64 = 0.1;
-/// … which counts as much as so many grasps.
+/// … and the number of grasps that this counts for.
 const PRIOR_GRASPS: f64 = 4.0;
-/// A hand puts pieces down so far below a tote's rim, metres.
+/// Depth below a tote's rim at which a hand puts pieces down, metres.
 const BELOW_RIM_M: f64 = 0.03;
 
-/// A head of which nothing else is known faces the middle of the rack, so high above the floor, metres.
+/// Height above the floor of the middle of the rack, which a head without known direction is taken to face, metres.
 const MIDDLE_M: f64 = 1.2;
 
 /// A place to which a hand can go.
@@ -28,19 +28,19 @@ const MIDDLE_M: f64 = 1.2;
 pub enum ReachPlace {
     /// A slot of the rack.
     Slot(SlotName),
-    /// A tote, by its number at the station.
+    /// The tote with this number at the station.
     Tote(usize),
 }
 
-/// What a hand is expected to do next: slot and tote decide which place is lit for it, and the last is the probability
-/// that it goes there.
+/// What a hand is expected to do next: the slot and the tote decide which place is lit for it, and the last value is
+/// the probability that the hand goes there.
 type Expected = (Option<SlotName>, Option<usize>, f64);
 
-/// One hand.
+/// What is known of one hand.
 #[derive(Clone, Debug, PartialEq)]
 struct WatchedHand {
     tracker: SlotTracker,
-    /// What it was told of its places last.
+    /// The lit place that the hand's belief was last given.
     lit: Option<ReachPlace>,
     is_stale: bool,
 }
@@ -62,7 +62,7 @@ fn of_face(at: FacePlace) -> ArmPoint {
 }
 
 impl ReachBeliefs {
-    /// Of hands at a face that were not seen yet.
+    /// Beliefs about hands at a face that were not seen yet.
     pub fn new(model: &Arc<PickModel>, face: &Arc<PickFace>) -> ReachBeliefs {
         let hand = WatchedHand { tracker: SlotTracker::new(model.clone()), lit: None, is_stale: true };
         let ends = (FacePlace::new(0.0, -DEEP_M, 0.0), PRIOR_GRASPS);
@@ -70,7 +70,7 @@ impl ReachBeliefs {
         ReachBeliefs { face: face.clone(), places, lengths: None, hands, ends }
     }
 
-    /// Another face is there.
+    /// Switches to another face.
     pub fn turn_to(&mut self, face: &Arc<PickFace>) {
         if !Arc::ptr_eq(face, &self.face) {
             (self.face, self.places) = (face.clone(), places_of(face));
@@ -78,8 +78,8 @@ impl ReachBeliefs {
         }
     }
 
-    /// Takes in one hand. `carries` says that it holds a piece: then the wanted tote is where it is expected, and
-    /// without one the lit slot. A hand that no arm of this person reaches changes nothing.
+    /// Takes in one hand. `carries` says that it holds a piece: then the hand is expected at the wanted tote, otherwise
+    /// at the lit slot. A hand that no arm of this person reaches changes nothing.
     pub fn see(
         &mut self,
         (hand, points): (usize, &HandPoints),
@@ -130,7 +130,7 @@ impl ReachBeliefs {
         (watched.lit, watched.is_stale) = (lit, false);
     }
 
-    /// A hand has grasped in a slot, and was deepest in it at this place.
+    /// Learns from a hand that has grasped in a slot and was deepest in it at this place.
     pub fn learn(&mut self, slot: SlotName, deepest: FacePlace) {
         let (ends, count) = &mut self.ends;
         *count += 1.0;
@@ -138,8 +138,8 @@ impl ReachBeliefs {
         self.hands.iter_mut().for_each(|hand| hand.is_stale = true);
     }
 
-    /// Places with the probability that a hand goes there, given where the eyes rest, if they are measured; what is
-    /// missing to one is that of no place.
+    /// Places with the probability that a hand goes there, given where the eyes rest, if they are measured; the
+    /// remainder to one is the probability of no place.
     pub fn probabilities(&self, hand: usize, looked: Option<LookedAt>) -> SmallVec<[(ReachPlace, f64); 32]> {
         let known = self.hands[hand].tracker.probabilities();
         let middle = |place: &ReachPlace| match *place {

@@ -18,23 +18,24 @@ use giveway_people::reach::PickModel;
 use smallvec::SmallVec;
 use std::sync::Arc;
 
-/// Hands that were not seen for so long are not known of.
+/// Time after which an unseen hand is unknown.
 const STALE: Span = Span::from_secs(1);
-/// A hand that is so deep in a slot is in that one, metres; so near to its edge it may belong to the one beside.
+/// Depth from which a hand counts as in a slot, metres, and distance from the slot's edge within which the hand may
+/// belong to the slot beside.
 const DEEP_M: f64 = 0.05;
 const EDGE_M: f64 = 0.03;
-/// A hand that was seen within this time is shown on its way …
+/// Time within which a hand must have been seen to be shown on its way …
 const FRESH: Span = Span::from_millis(500);
 /// … while it is faster than this, metres per second, or in a slot.
 const MOVES_MPS: f64 = 0.2;
-/// A hand that was seen within this time has not left the view just now.
+/// Time within which a hand must have been seen to count as still in view.
 const GONE: Span = Span::from_millis(150);
-/// Places are told of from this probability on.
+/// Least probability with which a place is reported.
 const LIKELY: f64 = 0.05;
-/// Hands that were seen within this time are those of somebody who is seen while picking: between two pieces they may
-/// be out of view.
+/// Time within which hands must have been seen to count as a person seen picking: between two pieces they may be out of
+/// view.
 const OF_LATE: Span = Span::from_secs(10);
-/// For so long after two persons' hands were seen nothing is confirmed by hand.
+/// Time after two persons' hands were seen during which nothing is confirmed by hand.
 const ALONE: Span = Span::from_secs(2);
 
 /// What happened at a work cell.
@@ -42,19 +43,19 @@ const ALONE: Span = Span::from_secs(2);
 pub enum CellHandsEvent {
     /// A piece was taken out of a slot.
     Grasped(SlotName),
-    /// A piece was put into a tote, by its number at the station. It confirms something only if the hand was seen all
-    /// the way.
+    /// A piece was put into the tote with this number at the station. This confirms something only if the hand was seen
+    /// all the way.
     Placed(HeldPiece, usize),
-    /// A hand goes to this slot, most likely, and not to the one that is lit.
+    /// A hand most likely goes to this slot, which is not the lit one.
     AimsAt(SlotName),
 }
 
-/// What hands are seen at and for.
+/// The scene in which hands are seen.
 #[derive(Clone, Copy, Debug)]
 pub struct CellHandsScene<'a> {
     /// The face of the rack that stands there, or stood there last.
     pub face: &'a Arc<PickFace>,
-    /// What was learned of reaches.
+    /// The learned model of reaches.
     pub model: &'a Arc<PickModel>,
     /// The slot that is lit.
     pub lit: Option<SlotName>,
@@ -77,43 +78,43 @@ pub struct SeenReach {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellHands {
     hands: [HandFollower; 2],
-    /// Whose hands were seen last, and when.
+    /// The person whose hands were seen last, and when.
     person: Option<(u32, Time)>,
-    /// Somebody else was there: nothing is confirmed by hand before.
+    /// Until when nothing is confirmed by hand, because another person was there.
     crowded_until: Option<Time>,
-    /// When somebody's hand was inside while several persons' hands were seen.
+    /// When a hand was last inside while several persons' hands were seen.
     crowd_inside: Option<Time>,
-    /// Pieces that were put where they do not belong, with the hands that did it, until those grasp again.
+    /// Misplaced pieces of each hand and the totes that hold them, until the hand grasps again.
     strayed: [Option<(HeldPiece, usize)>; 2],
-    /// For each hand the slot that was warned of while it goes there.
+    /// For each hand the slot that it was warned of while it goes there.
     warned: [Option<SlotName>; 2],
-    /// The slot in which each hand has grasped last, and where it was deepest in it, until its piece is in a tote.
+    /// For each hand the slot of its last grasp, and the deepest place in it, until the piece is in a tote.
     grasped: [Option<(SlotName, FacePlace)>; 2],
     /// How often this person goes to the lit slot.
     share: LitShare,
     /// Where the eyes rest, where they are measured, and where the head is.
     eyes: Option<(Fixation, FacePlace)>,
-    /// Where they go, once something of them was seen.
+    /// Beliefs about where the hands go, once hands were seen.
     beliefs: Option<ReachBeliefs>,
-    /// The phases of the piece that is picked now, from which slot.
+    /// The slot of the piece that is picked now, and the piece's phases.
     piece: Option<(SlotName, PiecePhases)>,
-    /// A phase that has just ended.
+    /// The phase that has ended most recently.
     spent: Option<SpentPhase>,
 }
 
 impl CellHands {
-    /// Another rack is here.
+    /// Begins with another rack.
     pub fn begin(&mut self) {
         self.hands.iter_mut().for_each(HandFollower::begin);
         self.strayed = [None; 2];
     }
 
-    /// A line is over: nobody wants a piece from this slot any more.
+    /// Ends a line: no piece from this slot is wanted any more.
     pub fn forget(&mut self, slot: SlotName) {
         self.hands.iter_mut().for_each(|hand| hand.forget(slot));
     }
 
-    /// Takes in hands. Gives what happened, in order. Observations that come out of order are dropped.
+    /// Takes in hands. Gives what happened, in order. Observations out of order are dropped.
     pub fn see(&mut self, scene: CellHandsScene<'_>, seen: &HandsSeen) -> SmallVec<[CellHandsEvent; 4]> {
         let (events, hands) = self.follow(scene, seen);
         for (i, hand) in hands.iter().enumerate().filter_map(|(i, hand)| Some((i, hand.as_ref()?))) {
@@ -149,19 +150,19 @@ impl CellHands {
         }
     }
 
-    /// What a hand does with a piece of this slot, and for how long, seconds; nothing if that was not seen of late.
+    /// What a hand does with a piece of this slot, and for how long, seconds; nothing if that was not seen recently.
     pub fn phase(&self, slot: SlotName, now: Time) -> Option<(PickPhase, f64)> {
         self.piece.as_ref().filter(|(of, _)| *of == slot)?.1.now(now)
     }
 
-    /// The phase that has ended since this was asked last.
+    /// The phase that has ended since the last call.
     pub fn spent(&mut self) -> Option<SpentPhase> {
         self.spent.take()
     }
 
-    /// What these hands, seen now, would do that is a reason for a warning. It costs little and changes nothing.
+    /// The event by these hands, seen now, that would be a reason for a warning. This costs little and changes nothing.
     pub fn would_warn(&self, scene: CellHandsScene<'_>, seen: &HandsSeen) -> Option<CellHandsEvent> {
-        // Beliefs are large, and warnings are not made of them.
+        // Beliefs are large, and warnings do not depend on them.
         let mut hands = CellHands { beliefs: None, ..*self };
         let (events, _) = hands.follow(scene, seen);
         events.into_iter().find(|event| match event {
@@ -173,8 +174,7 @@ impl CellHands {
         })
     }
 
-    /// Follows hands from slot to tote. Gives what happened, and the hands that can be believed, each as the one that
-    /// it is.
+    /// Follows hands from slot to tote. Gives the events, and the hands that can be believed, each under its true side.
     fn follow(
         &mut self,
         scene: CellHandsScene<'_>,
@@ -205,7 +205,7 @@ impl CellHands {
         for (i, hand) in hands.iter_mut().enumerate() {
             let Some(at) = hand.map(|h| face.of(h.grip())) else { continue };
             let event = self.hands[i].see(face, at, seen.seen);
-            // What a hand does in a crowd counts for nothing, but must not be taken for what it did before.
+            // A hand's deed in a crowd counts for nothing, but must not be taken for an earlier one.
             let event = event.and_then(|event| self.took(i, event, scene));
             if !is_alone {
                 self.crowd_inside = Some(seen.seen).filter(|_| face.is_inside(at)).or(self.crowd_inside);
@@ -218,7 +218,7 @@ impl CellHands {
         (events, hands)
     }
 
-    /// Follows where a hand goes, while anything is wanted.
+    /// Follows where a hand goes while a slot is lit or a tote is wanted.
     fn believe(&mut self, scene: CellHandsScene<'_>, (i, hand): (usize, &HandPoints), seen: &HandsSeen) {
         let can_be = self.hands[i].last().is_some_and(|(at, _)| at == seen.seen);
         if !can_be || (scene.lit.is_none() && scene.tote.is_none()) {
@@ -230,7 +230,7 @@ impl CellHands {
         beliefs.see((i, hand), (scene.lit, scene.tote, self.share.get()), carries, seen);
     }
 
-    /// Where hands that are on their way go, with probabilities of at least 0.05.
+    /// Where moving hands go, with probabilities of at least 0.05.
     pub fn reaches(&self, now: Time) -> SmallVec<[SeenReach; 4]> {
         let Some(beliefs) = &self.beliefs else { return SmallVec::new() };
         let looked = self.looked_at(now);
@@ -246,15 +246,15 @@ impl CellHands {
         (0..2).filter(is_moving).flat_map(of).collect()
     }
 
-    /// What a hand's deed means. A hand that stops once more where it put a piece that belongs elsewhere takes it out
-    /// again; one that goes to the wanted tote without that brings nothing that anybody has seen. What lies where it
+    /// What a hand's deed means. A hand that stops again where it put a misplaced piece takes it out again; a hand that
+    /// then goes to the wanted tote without such a stop brings no piece that was seen. A piece that lies where it
     /// belongs counts once.
     fn took(&mut self, hand: usize, event: HandEvent, scene: CellHandsScene<'_>) -> Option<CellHandsEvent> {
         match event {
             HandEvent::Grasped(slot, deepest) => {
                 self.strayed[hand] = None;
                 self.grasped[hand] = Some((slot, deepest));
-                // A reach that was warned of was counted then.
+                // A reach with a warning has been counted already.
                 if let Some(lit) = scene.lit.filter(|_| self.warned[hand].is_none()) {
                     self.share.learn(lit == slot);
                 }
@@ -282,14 +282,14 @@ impl CellHands {
         eyes.from(*head, now.as_secs_f64())
     }
 
-    /// Another person is here.
+    /// Forgets what was learned of a person, since another one is here.
     fn forget_person(&mut self) {
         self.eyes = None;
         (self.beliefs, self.share, self.grasped) = (None, LitShare::default(), [None; 2]);
     }
 
-    /// Whether left and right have changed places since they were seen last: neither can be where it is said to be; or
-    /// one alone is seen, which nobody had in view, where the other one was a moment ago.
+    /// Whether left and right have changed places since they were seen last: neither can be where it is said to be, or
+    /// only one is seen, which was out of view, where the other one was a moment ago.
     fn are_swapped(&self, grips: &[Option<FacePlace>; 2], seen: Time) -> bool {
         let silent = |hand: usize| self.hands[hand].last().map_or(STALE, |(at, _)| seen - at);
         let takes_place = |hand: usize, at: FacePlace| {
@@ -313,7 +313,7 @@ impl CellHands {
         let follower = &self.hands[hand];
         let (seen, at) = follower.last()?;
         let slot = if follower.is_in_slot() {
-            // At the edge of a slot beside the lit one it may still be on its way there.
+            // At the edge of a slot beside the lit one the hand may still be on its way to the lit one.
             let to_lit = (face.slot(lit) - at).try_normalize(1e-6).unwrap_or_default() * EDGE_M;
             let nearer = FacePlace::new(at.x + to_lit.x, at.y, at.z + to_lit.z);
             face.slot_at(nearer).filter(|slot| *slot != lit && face.depth_m(at) > DEEP_M)
@@ -329,18 +329,18 @@ impl CellHands {
         Some(slot)
     }
 
-    /// How many pieces from a slot of the rack that is there are in hands that were seen all the time since.
+    /// Number of pieces from a slot of the present rack in hands that were seen all the time since.
     pub fn in_hand(&self, slot: SlotName) -> u32 {
         let of = |held: HeldPiece| held.sure && !held.is_of_before && held.from == slot;
         self.hands.iter().filter(|h| h.held().is_some_and(of)).count() as u32
     }
 
-    /// A second person is in the workplace: whose hand does what is not known.
+    /// Notes a second person in the workplace: it is unknown whose hand does what.
     pub fn note_company(&mut self, now: Time) {
         self.crowded_until = self.crowded_until.max(Some(now + ALONE));
     }
 
-    /// No hand that is not seen now is inside, as a person says.
+    /// Notes a person's word that no hand out of view is inside.
     pub fn forget_lost(&mut self, now: Time) {
         let is_lost = |hand: &&mut HandFollower| hand.last().is_some_and(|(at, _)| now - at >= STALE);
         self.hands.iter_mut().filter(is_lost).for_each(|hand| *hand = HandFollower::default());
@@ -363,7 +363,7 @@ impl CellHands {
         self.inside_soon(face, now) >= STAYS
     }
 
-    /// The probability that one of the hands that are seen is in the opening or beyond it, or will be within 0.3 s.
+    /// The probability that one of the visible hands is in the opening or beyond it, or will be within 0.3 s.
     pub fn inside_soon(&self, face: &PickFace, now: Time) -> f64 {
         if self.crowd_inside.is_some_and(|seen| now - seen < STALE) {
             return 1.0;
@@ -380,7 +380,7 @@ impl CellHands {
         self.is_any(now, |at| face.is_inside(at))
     }
 
-    /// Whether a hand was inside when it was seen last, however long ago: it may be there still.
+    /// Whether a hand was inside when it was seen last, however long ago: it may still be there.
     pub fn may_be_inside(&self, face: &PickFace) -> bool {
         self.hands.iter().any(|h| h.last().is_some_and(|(_, at)| face.is_inside(at)))
     }

@@ -6,9 +6,9 @@ use super::{OrderLine, PickedBy};
 use giveway_floor::id::{RackId, StationId};
 use giveway_floor::warehouse::Warehouse;
 
-/// Most lines of one visit.
+/// Largest number of lines in one visit.
 pub const MOST_LINES: usize = 200;
-/// Most pieces of one line.
+/// Largest number of pieces in one line.
 pub const MOST_PIECES: u32 = 10_000;
 
 /// Why a line cannot be picked from a rack at a station.
@@ -18,22 +18,22 @@ pub enum LineProblem {
     NoCell,
     /// The map does not say what slots the rack has.
     NoSlots,
-    /// The rack has no such slot.
+    /// The rack does not have the slot.
     UnknownSlot,
-    /// The station has no such tote.
+    /// The station does not have the tote.
     UnknownTote,
     /// No piece, or more than [`MOST_PIECES`].
     Quantity,
-    /// The line before with this number, from 0, has the same slot, tote and item.
+    /// An earlier line, with this number counted from 0, has the same slot, tote and item.
     Twice(usize),
     /// Only an arm may pick it, and the station has none.
     NoArm,
-    /// There are more than [`MOST_LINES`] lines.
+    /// The visit has more than [`MOST_LINES`] lines.
     TooMany,
 }
 
-/// The first line, counted from 0, that cannot be picked from a rack at a station, and why. Linear in lines, but for
-/// lines of one slot, which are compared with one another.
+/// The first line, counted from 0, that cannot be picked from a rack at a station, and why. Linear in the number of
+/// lines, except for lines of one slot, which are compared with one another.
 pub fn problem(
     w: &Warehouse,
     rack: RackId,

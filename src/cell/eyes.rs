@@ -1,26 +1,26 @@
-//! What measured eyes say of where a hand goes: people look at a slot before they reach into it, and stay there until
-//! the piece is out.
+//! What measured eyes say about where a hand goes: people look at a slot before they reach into it, and keep looking
+//! until the piece is out.
 //!
 //! Main types: [`Fixation`] (follows a ray of eyes from fixation to fixation), [`LookedAt`]. Refuses: rays of heads and
-//! estimated ones; a head turns only a part of the way, and an estimate would say again what the hand has said.
+//! estimated rays; a head turns only part of the way, and an estimate would repeat what the hand has said.
 
 use super::face::FacePlace;
 
-/// A ray that is farther than this from where the eyes were is a jump, radians …
+/// Angle from the last fixation beyond which a ray is a jump, radians.
 const JUMP_RAD: f64 = 0.1;
-/// … and says something after so long, seconds. Rays of one fixation are averaged over this time, seconds.
+/// Age from which a fixation counts, and time over which its rays are averaged, seconds.
 const SETTLES_S: f64 = 0.05;
 const AVERAGES_S: f64 = 0.1;
-/// What was not heard of for so long has ended, seconds.
+/// Time without rays after which a fixation has ended, seconds.
 const STALE_S: f64 = 0.25;
-/// Between the eyes' ray and the middle of the place that a hand goes to: the sensor's error, and where in a slot a
-/// piece lies; radians.
+/// Standard deviation between the eyes' ray and the middle of the place that a hand goes to, radians: the sensor's
+/// error, and where in a slot a piece lies.
 const SIGMA_RAD: f64 = 0.05;
-/// For this share of the time eyes are elsewhere, on anything within so many square radians.
+/// Share of the time for which eyes are elsewhere, and the area over which they then look at anything, square radians.
 const ELSEWHERE: f64 = 0.25;
 const FIELD_RAD2: f64 = 1.0;
 
-/// Where eyes rest.
+/// Where the eyes rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fixation {
     ray: FacePlace,
@@ -28,7 +28,7 @@ pub(super) struct Fixation {
     seen_s: f64,
 }
 
-/// A fixation seen from where the head is.
+/// A fixation seen from the head's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LookedAt {
     head: FacePlace,
@@ -36,7 +36,7 @@ pub(super) struct LookedAt {
 }
 
 impl Fixation {
-    /// With one more ray of length one. Rays that do not come later change nothing.
+    /// The fixation after one more ray of length one. Rays that are not newer change nothing.
     pub fn then(before: Option<Fixation>, ray: FacePlace, now_s: f64) -> Fixation {
         let Some(before) = before.filter(|b| now_s - b.seen_s < STALE_S) else {
             return Fixation { ray, since_s: now_s, seen_s: now_s };
@@ -52,7 +52,7 @@ impl Fixation {
         Fixation { ray: mean.try_normalize(1e-6).unwrap_or(ray), since_s: before.since_s, seen_s: now_s }
     }
 
-    /// What is looked at from this head; nothing while the eyes have just jumped, or were not seen of late.
+    /// What is looked at from this head; nothing while the eyes have just jumped, or were not seen recently.
     pub fn from(&self, head: FacePlace, now_s: f64) -> Option<LookedAt> {
         let settled = self.seen_s - self.since_s >= SETTLES_S && now_s - self.seen_s < STALE_S;
         settled.then_some(LookedAt { head, ray: self.ray })
@@ -60,7 +60,7 @@ impl Fixation {
 }
 
 impl LookedAt {
-    /// How much likelier this ray is of a person who reaches for this place than of one who looks at anything.
+    /// How much likelier this ray is for a person who reaches for this place than for one who looks at anything.
     pub fn ratio(&self, place: FacePlace) -> f64 {
         let off_rad = self.ray.angle(&(place - self.head));
         let density = libm::exp(-off_rad * off_rad / (2.0 * SIGMA_RAD * SIGMA_RAD))
@@ -77,7 +77,7 @@ mod tests {
     const SLOT: FacePlace = FacePlace::new(0.33, 0.44, 1.2);
     const BESIDE: FacePlace = FacePlace::new(0.11, 0.44, 1.2);
 
-    /// After rays at 60 Hz, the last of them `now_s`.
+    /// The fixation after rays at 60 Hz, and the time of the last one, `now_s`.
     fn after(rays: impl Iterator<Item = FacePlace>) -> (Option<Fixation>, f64) {
         let (mut fixation, mut now_s) = (None, 0.0);
         for ray in rays {

@@ -1,7 +1,7 @@
-//! The face of the rack at a station and the totes beside it, in the frame of who picks there.
+//! The face of the rack at a station and the totes beside it, in the frame of the picker there.
 //!
 //! Main type: [`PickFace`]. In its frame the first coordinate is to the picker's right of the rack's middle, the second
-//! from there towards the picker, the third above the floor; metres. Refuses: to know who picks.
+//! from there towards the picker, the third above the floor; metres. Refuses: to know the picker.
 
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::warehouse::{Cell, Place, RackType, SlotName};
@@ -9,18 +9,18 @@ use giveway_floor::warehouse::{Cell, Place, RackType, SlotName};
 /// A place in the frame of the face.
 pub type FacePlace = nalgebra::Vector3<f64>;
 
-/// A hand is in a slot from so far behind the face on, metres.
+/// Depth behind the face from which a hand is in a slot, metres.
 const IN_SLOT_M: f64 = 0.02;
-/// A hand is in a tote when it is so near to the middle of its rim, metres on the floor …
+/// Distance from the middle of a tote's rim within which a hand is in the tote, metres on the floor …
 const TOTE_M: f64 = 0.19;
-/// … and so far below it or above it.
+/// … and the same below and above the rim.
 const TOTE_BELOW_M: f64 = 0.35;
 const TOTE_ABOVE_M: f64 = 0.12;
-/// A hand is inside while it is not farther than this on the picker's side of the opening, metres.
+/// Distance on the picker's side of the opening within which a hand still counts as inside, metres.
 const OUTSIDE_M: f64 = 0.02;
-/// A hand within this distance before the face may be warned of, metres.
+/// Distance before the face within which a hand may be warned, metres.
 const NEAR_M: f64 = 0.15;
-/// A row without another one above or below it is so high, metres.
+/// Height of a row without another one above or below it, metres.
 const ROW_M: f64 = 0.35;
 
 /// A rack's face with the totes beside it.
@@ -71,7 +71,7 @@ impl PickFace {
         FacePlace::new(level.dot(&self.right), level.dot(&self.out), along.z)
     }
 
-    /// A place in the frame of the face on the map.
+    /// The place on the map of a place in the frame of the face.
     pub fn on_map(&self, at: FacePlace) -> Place {
         let floor = self.stands + self.right * at.x + self.out * at.y;
         Place::new(floor.x, floor.y, at.z)
@@ -92,7 +92,7 @@ impl PickFace {
         self.face_m
     }
 
-    /// For each row, the lowest first: the middle of its slots above the floor, metres.
+    /// For each row, the lowest first: height of the middle of its slots above the floor, metres.
     pub fn heights_m(&self) -> &[f64] {
         &self.heights_m
     }
@@ -111,27 +111,27 @@ impl PickFace {
         names.map(|slot| (slot, self.slot(slot)))
     }
 
-    /// How many totes there are.
+    /// Number of totes.
     pub fn totes(&self) -> usize {
         self.totes.len()
     }
 
-    /// The middle of a tote's rim, by its number at the station.
+    /// The middle of the rim of the tote with this number at the station.
     pub fn tote(&self, tote: usize) -> Option<FacePlace> {
         self.totes.get(tote).copied()
     }
 
-    /// How far behind the face a place is, metres; less than 0 in front of it.
+    /// Depth of a place behind the face, metres; negative in front of it.
     pub fn depth_m(&self, at: FacePlace) -> f64 {
         self.face_m - at.y
     }
 
-    /// The slot in which a hand is that is at this place.
+    /// The slot that contains a hand at this place.
     pub fn slot_at(&self, at: FacePlace) -> Option<SlotName> {
         (self.depth_m(at) > IN_SLOT_M).then(|| self.slot_before(at)).flatten()
     }
 
-    /// The slot behind or before which a place is, however far away it is from the face.
+    /// The slot behind or before which a place is, at any distance from the face.
     pub fn slot_before(&self, at: FacePlace) -> Option<SlotName> {
         let column = ((at.x + self.width_m / 2.0) / self.width_m * f64::from(self.columns)).floor();
         if !(0.0..f64::from(self.columns)).contains(&column) {
@@ -142,7 +142,7 @@ impl PickFace {
         (off(height) <= ROW_M / 2.0 + IN_SLOT_M).then(|| SlotName::new(column as u8, row as u8))
     }
 
-    /// The tote in which or just above which a hand is that is at this place.
+    /// The tote that contains a hand at this place, or is just below it.
     pub fn tote_at(&self, at: FacePlace) -> Option<usize> {
         let off = |t: &FacePlace| (at - t).xy().norm();
         let (tote, rim) = self.totes.iter().enumerate().min_by(|a, b| off(a.1).total_cmp(&off(b.1)))?;
@@ -160,12 +160,12 @@ impl PickFace {
         self.outside_m(at) < 0.0 && self.is_beside_rack(at)
     }
 
-    /// How far outside of the opening a place is, on the picker's side, metres; less than 0 inside.
+    /// Distance of a place from the opening on the picker's side, metres; negative inside.
     pub fn outside_m(&self, at: FacePlace) -> f64 {
         at.y - (self.opening_m + OUTSIDE_M)
     }
 
-    /// Whether a place is no farther to the side than a rack that comes or goes can be.
+    /// Whether a place is no farther to the side than an arriving or leaving rack can be.
     pub fn is_beside_rack(&self, at: FacePlace) -> bool {
         at.x.abs() < self.width_m
     }

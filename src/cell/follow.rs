@@ -1,33 +1,34 @@
 //! One hand at a work cell: in which slot or tote it is, and from which slot it holds a piece.
 //!
 //! Main types: [`HandFollower`], [`HandEvent`]. A hand that dwells in a slot and comes out has grasped a piece; one
-//! that stops in a tote has put it down. A place that no hand can have come to is not believed until it has been seen
-//! for a while. Refuses: to be sure of what happened while the hand was not seen.
+//! that stops in a tote has put it down. A place that the hand cannot have reached is not believed until it has been
+//! seen for a while. Refuses: to be sure of what happened while the hand was not seen.
 
 use super::face::{FacePlace, PickFace};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::SlotName;
 
-/// No hand is faster than this, metres per second; and measurement errs by so much, metres.
+/// Greatest speed of a hand, metres per second, and the error of measurement, metres.
 const FASTEST_MPS: f64 = 3.5;
 const ERR_M: f64 = 0.05;
-/// After a gap of this length nobody knows what the hand did meanwhile; in a shorter one it cannot have been in another
+/// Length of a gap after which the hand's deeds in between are unknown; in a shorter one it cannot have been in another
 /// slot or tote and back.
 const GAP: Span = Span::from_millis(450);
-/// The start and the end of a quick way take so long together, seconds, and its middle is so fast, metres per second.
+/// Time that the start and the end of a quick movement take together, seconds, and the speed of its middle, metres per
+/// second.
 const QUICK_S: f64 = 0.2;
 const QUICK_MPS: f64 = 2.0;
-/// After a gap of this length its velocity is not known.
+/// Length of a gap after which the hand's velocity is unknown.
 const STEADY: Span = Span::from_millis(120);
 /// A hand that has been in a slot for less than this has passed through and grasped nothing.
 const GRASP: Span = Span::from_millis(150);
 /// A hand this slow in a tote puts down what it holds, metres per second.
 const STOPS_MPS: f64 = 0.45;
-/// Velocities are averaged over about this long, seconds.
+/// Time over which velocities are averaged, approximately, seconds.
 const SMOOTH_S: f64 = 0.04;
 
-/// A hand that goes straight over this way, metres, takes so long if it is quick, seconds: whoever takes no longer has
-/// not been in another slot or tote meanwhile.
+/// Time that a quick hand takes for a straight movement of this length in metres, seconds: a hand that takes no longer
+/// has not been in another slot or tote meanwhile.
 fn quick_s(way_m: f64) -> f64 {
     QUICK_S + way_m / QUICK_MPS
 }
@@ -37,7 +38,7 @@ fn quick_s(way_m: f64) -> f64 {
 pub enum HandEvent {
     /// It came out of a slot with a piece, and was deepest inside at this place.
     Grasped(SlotName, FacePlace),
-    /// It put a piece into a tote, by its number at the station.
+    /// It put a piece into the tote with this number at the station.
     Placed(HeldPiece, usize),
     /// It has stopped in a tote without holding anything.
     Searched(usize),
@@ -48,17 +49,17 @@ pub enum HandEvent {
 pub struct HeldPiece {
     /// The slot that it is from.
     pub from: SlotName,
-    /// Whether the hand was seen all the time since.
+    /// Whether the hand was seen all the time since the grasp.
     pub sure: bool,
-    /// Whether it is from the rack before the one that is there.
+    /// Whether the piece is from the rack before the present one.
     pub is_of_before: bool,
 }
 
-/// A stay in a slot.
+/// A stay of the hand in a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SlotStay {
     since: Time,
-    /// Where it was deepest inside.
+    /// The deepest place of the stay, and its slot.
     slot: SlotName,
     at: FacePlace,
 }
@@ -68,59 +69,59 @@ struct SlotStay {
 pub struct HandFollower {
     last: Option<(Time, FacePlace)>,
     velocity: FacePlace,
-    /// Whether its velocity is known.
+    /// Whether the hand's velocity is known.
     is_steady: bool,
     stay: Option<SlotStay>,
-    /// The tote in which it has stopped.
+    /// The tote in which the hand has stopped.
     tote: Option<usize>,
-    /// Whether it is in a tote or just above one.
+    /// Whether the hand is in a tote or just above one.
     is_over_tote: bool,
     held: Option<HeldPiece>,
 }
 
 impl HandFollower {
-    /// Where it was seen last.
+    /// When and where the hand was seen last.
     pub fn last(&self) -> Option<(Time, FacePlace)> {
         self.last
     }
 
-    /// How fast it moves, metres per second.
+    /// Velocity of the hand, metres per second.
     pub fn velocity(&self) -> FacePlace {
         self.velocity
     }
 
-    /// The piece that it holds.
+    /// The piece that the hand holds.
     pub fn held(&self) -> Option<HeldPiece> {
         self.held
     }
 
-    /// Whether it is in a slot.
+    /// Whether the hand is in a slot.
     pub fn is_in_slot(&self) -> bool {
         self.stay.is_some()
     }
 
-    /// Whether it is in a tote or just above one.
+    /// Whether the hand is in a tote or just above one.
     pub fn is_over_tote(&self) -> bool {
         self.is_over_tote
     }
 
-    /// It holds a piece again that it had put down.
+    /// Records that the hand again holds a piece that it had put down.
     pub fn take_up(&mut self, piece: HeldPiece) {
         self.held = Some(piece);
     }
 
-    /// Another rack is there: what it holds is from the one before.
+    /// Records another rack: the piece in the hand is from the one before.
     pub fn begin(&mut self) {
         self.stay = None;
         self.held = self.held.map(|held| HeldPiece { is_of_before: true, ..held });
     }
 
-    /// Nobody wants a piece from this slot of the rack that is there any more.
+    /// Forgets a piece from this slot of the present rack, which is no longer wanted.
     pub fn forget(&mut self, slot: SlotName) {
         self.held = self.held.filter(|held| held.is_of_before || held.from != slot);
     }
 
-    /// Whether a hand can have come to a place by now.
+    /// Whether the hand can have reached a place by now.
     pub fn can_be_at(&self, at: FacePlace, seen: Time) -> bool {
         self.last.is_none_or(|(then, before)| {
             let bound_m = FASTEST_MPS * (seen - then).as_secs_f64() + ERR_M;
@@ -128,7 +129,7 @@ impl HandFollower {
         })
     }
 
-    /// Takes in where it is. Observations must come in order.
+    /// Takes in where the hand is. Observations must come in order.
     pub fn see(&mut self, face: &PickFace, at: FacePlace, seen: Time) -> Option<HandEvent> {
         if !self.can_be_at(at, seen) {
             return None;

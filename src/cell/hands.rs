@@ -7,7 +7,7 @@ use giveway_floor::id::StationId;
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::Place;
 
-/// What is known of one hand.
+/// The points of one hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandPoints {
     /// The wrist.
@@ -19,12 +19,13 @@ pub struct HandPoints {
 }
 
 impl HandPoints {
-    /// Between the two finger tips: where the hand grasps.
+    /// The middle between the two finger tips: where the hand grasps.
     pub fn grip(&self) -> Place {
         nalgebra::center(&self.tips[0], &self.tips[1])
     }
 
-    /// Whether its points belong to one hand: all are numbers, and none is farther from the palm than a hand is long.
+    /// Whether the points can belong to one hand: all are finite, and none is farther from the palm than a hand is
+    /// long.
     pub fn is_sound(&self) -> bool {
         let all = [self.wrist, self.palm, self.tips[0], self.tips[1]];
         let near = |p: &Place| (p - self.palm).norm() <= HAND_M;
@@ -38,18 +39,18 @@ const HAND_M: f64 = 0.25;
 /// The hands of one person at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandsSeen {
-    /// In whose workplace the person is.
+    /// The station in whose workplace the person is.
     pub station: StationId,
-    /// Who, as long as the observations go on: another number is another person.
+    /// Number of the person, as long as the observations go on: another number is another person.
     pub person: u32,
-    /// When this was so, in the server's time.
+    /// When the hands were seen, in the server's time.
     pub seen: Time,
     /// The middle of the head.
     pub head: Place,
-    /// Where the head points, of length one; nothing where that is not known.
+    /// Direction of the head, of length one; nothing where it is not known.
     pub facing: Option<nalgebra::Vector3<f64>>,
-    /// Where the eyes look, of length one; nothing where they are not measured.
+    /// Direction of the eyes, of length one; nothing where they are not measured.
     pub eyes: Option<nalgebra::Vector3<f64>>,
-    /// Left and right hand; nothing of one that is not seen.
+    /// Left and right hand; nothing for an unseen hand.
     pub hands: [Option<HandPoints>; 2],
 }

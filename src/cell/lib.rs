@@ -1,5 +1,4 @@
-//! The picking station as a work cell: what is to be picked from the rack that stands there, and how far that has
-//! come.
+//! The picking station as a work cell: what must be picked from the rack that stands there, and what has been picked.
 //!
 //! Main module: [`arm`] (a robot arm beside the picker). Main types: [`OrderLine`], [`Lines`], [`LineState`],
 //! [`PickPace`], [`PickPhase`], [`CellHands`] (hands, from slot to tote). Refuses: to know where robots drive, and to
@@ -34,7 +33,7 @@ pub use phase::PickPhase;
 
 use giveway_floor::warehouse::SlotName;
 
-/// Who may pick a line.
+/// Who may pick a line: a person, the robot arm, or either.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum PickedBy {
     /// A person.
@@ -47,10 +46,10 @@ pub enum PickedBy {
 }
 
 impl PickedBy {
-    /// All of them.
+    /// All values.
     pub const ALL: [PickedBy; 3] = [PickedBy::Hand, PickedBy::Arm, PickedBy::Either];
 
-    /// The word for it on the wire.
+    /// The word for the value on the wire.
     pub fn word(self) -> &'static str {
         match self {
             PickedBy::Hand => "hand",
@@ -59,23 +58,23 @@ impl PickedBy {
         }
     }
 
-    /// The one of this word.
+    /// The value with this word; nothing for an unknown word.
     pub fn named(word: &str) -> Option<PickedBy> {
         PickedBy::ALL.into_iter().find(|by| by.word() == word)
     }
 }
 
-/// So many pieces from a slot into a tote.
+/// A number of pieces to pick from a slot into a tote.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct OrderLine {
-    /// From where in the rack.
+    /// The slot in the rack.
     pub slot: SlotName,
-    /// How many pieces, at least one.
+    /// Number of pieces, at least one.
     pub quantity: u32,
     /// The name of the tote.
     pub tote: String,
-    /// What it is, in the customer's words.
+    /// The item in the customer's words.
     pub item: Option<String>,
-    /// Who may pick it.
+    /// Whether a person, the arm, or either may pick the line.
     pub by: PickedBy,
 }

@@ -1,36 +1,35 @@
 //! Order lines of one visit: which one is lit, and what was confirmed of each.
 //!
-//! Main type: [`Lines`]. A line is open until it is lit, and lit until all its pieces are confirmed or it is short; who
-//! takes that back makes it undone, and it is lit again after the lines before it. A line that the robot arm picks is
-//! not lit until it is given back to the hand. Refuses: to confirm more pieces than were ordered, and to confirm a line
-//! twice.
+//! Main type: [`Lines`]. A line is open until it is lit, and lit until all its pieces are confirmed or it is short; an
+//! undo makes it undone, and it is lit again after the lines before it. A line that the robot arm picks is not lit
+//! until it is given back to the hand. Refuses: to confirm more pieces than were ordered, and to confirm a line twice.
 
 use super::{OrderLine, PickedBy};
 
-/// How far a line is.
+/// The state of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LineState {
-    /// Nothing was done about it yet.
+    /// No piece has been picked yet.
     Open,
-    /// The one that is picked now.
+    /// The line is being picked now.
     Lit,
     /// All pieces are in the tote.
     Done,
-    /// Pieces are missing from the slot; what was there is in the tote.
+    /// Pieces are missing from the slot; those that were there are in the tote.
     Short,
-    /// It was done or short, and that was taken back: it is to be picked anew.
+    /// The line was done or short, and that was undone: it must be picked again.
     Undone,
-    /// The robot arm picks it.
+    /// The robot arm picks the line.
     Arm,
 }
 
 impl LineState {
-    /// Whether nothing more is to be picked.
+    /// Whether no more pieces need to be picked.
     pub fn is_over(self) -> bool {
         matches!(self, LineState::Done | LineState::Short)
     }
 
-    /// The word for it on the wire.
+    /// The word for the state on the wire.
     pub fn word(self) -> &'static str {
         match self {
             LineState::Open => "open",
@@ -43,59 +42,59 @@ impl LineState {
     }
 }
 
-/// What is said about a line, by a button, a scanner, a scale, the hand or the robot arm; and who picks it.
+/// A statement about a line, by a button, a scanner, a scale, the hand or the robot arm; and who picks it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LineChange {
-    /// So many more pieces are in the tote.
+    /// This number of further pieces is in the tote.
     Done(u32),
     /// The slot has no more pieces.
     Short,
-    /// What was said before is taken back: no piece counts.
+    /// Earlier statements are undone: no piece counts.
     Undo,
-    /// The robot arm picks it from now on.
+    /// The robot arm picks the line from now on.
     ToArm,
-    /// The hand picks it from now on.
+    /// The hand picks the line from now on.
     ToHand,
 }
 
-/// What a change came to.
+/// The result of a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LineOutcome {
     /// The line has changed.
     Changed,
-    /// It was so already, and nothing was counted again.
+    /// The line was in that state already, and nothing was counted again.
     Already,
 }
 
 /// Why a change is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LineRefusal {
-    /// The visit has no line of this number; it has so many.
+    /// The visit has no line with this number; the value is the number of its lines.
     NoLine(usize),
-    /// Of no pieces nothing is confirmed.
+    /// A confirmation must be of at least one piece.
     NoPieces,
-    /// More pieces than are left to pick, which are so many.
+    /// There are more pieces than are left to pick; the value is the number left.
     TooMany(u32),
 }
 
-/// One line and how far it is.
+/// One line and its progress.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct LineProgress {
     /// What was ordered.
     pub line: OrderLine,
-    /// How far it is.
+    /// The state of the line.
     pub state: LineState,
     /// Pieces in the tote.
     pub pieces: u32,
 }
 
 impl LineProgress {
-    /// Pieces that are still to be picked: none of a line that is over.
+    /// Number of pieces still to be picked; zero when the line is over.
     pub fn left(&self) -> u32 {
         if self.state.is_over() { 0 } else { self.line.quantity - self.pieces }
     }
 
-    /// Whether a hand has something to pick.
+    /// Whether a hand has something to pick from the line.
     fn is_by_hand(&self) -> bool {
         !self.state.is_over() && self.state != LineState::Arm
     }
@@ -108,7 +107,7 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// The lines of a visit that begins: the first one that a hand may pick is lit.
+    /// The lines of a visit that begins: the first line that a hand may pick is lit.
     pub fn new(lines: impl IntoIterator<Item = OrderLine>) -> Lines {
         let open = |line: OrderLine| {
             let state = if line.by == PickedBy::Arm { LineState::Arm } else { LineState::Open };
@@ -119,8 +118,8 @@ impl Lines {
         lines
     }
 
-    /// Lines as they were kept; nothing if they contradict themselves: more pieces than ordered, a line that is done
-    /// with pieces left, or none or several lit where a hand has something to pick.
+    /// Restores saved lines; nothing if they contradict themselves: more pieces than ordered, a line that is done with
+    /// pieces left, or none or several lit while a hand has something to pick.
     pub fn restore(all: Vec<LineProgress>) -> Option<Lines> {
         let sound = |p: &LineProgress| {
             p.pieces <= p.line.quantity && (p.state == LineState::Done) == (p.pieces == p.line.quantity)
@@ -131,7 +130,7 @@ impl Lines {
         (lines.all.iter().all(sound) && lit == usize::from(is_by_hand)).then_some(lines)
     }
 
-    /// All of them, in their order.
+    /// All lines, in their order.
     pub fn all(&self) -> &[LineProgress] {
         &self.all
     }
@@ -141,26 +140,26 @@ impl Lines {
         self.all.iter().position(|p| p.state == LineState::Lit)
     }
 
-    /// Whether the visit is: nothing more is to be picked.
+    /// Whether all lines are over.
     pub fn are_over(&self) -> bool {
         self.all.iter().all(|p| p.state.is_over())
     }
 
-    /// Pieces that are still to be picked.
+    /// Number of pieces still to be picked.
     pub fn pieces_left(&self) -> u32 {
         self.all.iter().map(LineProgress::left).sum()
     }
 
-    /// What a change of the line `n`, counted from 0, would come to; [`Lines::change`] makes it.
+    /// What a change of line `n`, counted from 0, would result in; [`Lines::change`] makes it.
     ///
     /// # Errors
-    /// Why it is refused.
+    /// Why the change is refused.
     pub fn outcome(&self, n: usize, change: LineChange) -> Result<LineOutcome, LineRefusal> {
         let progress = self.all.get(n).ok_or(LineRefusal::NoLine(self.all.len()))?;
         let is_over = progress.state.is_over();
         match change {
             LineChange::Done(0) => Err(LineRefusal::NoPieces),
-            // What the hand has confirmed, a button confirms once more.
+            // A button may confirm again what the hand has confirmed.
             LineChange::Done(_) | LineChange::Short if is_over => Ok(LineOutcome::Already),
             LineChange::Done(pieces) if pieces > progress.left() => {
                 Err(LineRefusal::TooMany(progress.left()))
@@ -175,10 +174,10 @@ impl Lines {
         }
     }
 
-    /// Makes a change of the line `n`, counted from 0, and lights the next one if that is over.
+    /// Changes line `n`, counted from 0, and lights the next one if that is over.
     ///
     /// # Errors
-    /// Why it is refused; nothing has changed then.
+    /// Why the change is refused; nothing has changed then.
     pub fn change(&mut self, n: usize, change: LineChange) -> Result<LineOutcome, LineRefusal> {
         let outcome = self.outcome(n, change)?;
         if outcome == LineOutcome::Already {
@@ -197,14 +196,14 @@ impl Lines {
             LineChange::ToArm => progress.state = LineState::Arm,
             LineChange::ToHand => progress.state = LineState::Open,
         }
-        // A hand is on its way to the line that is lit: only what a person takes back comes before it.
+        // A hand is on its way to the lit line: only an undone line comes before it.
         if self.lit().is_none() || change == LineChange::Undo {
             self.light();
         }
         Ok(outcome)
     }
 
-    /// One line is lit if any is left for the hand: the first, unless one is lit that has pieces in its tote already.
+    /// Lights one line if any is left for the hand: the first, unless the lit line has pieces in its tote already.
     fn light(&mut self) {
         if self.lit().is_some_and(|n| self.all[n].pieces > 0) {
             return;

@@ -1,7 +1,7 @@
-//! How long the rest of a visit takes, from how long lines took before.
+//! How long the rest of a visit takes, from how long earlier lines took.
 //!
 //! Main types: [`PickPace`] (what was learned), [`Remaining`] (a distribution). A line takes a time for the first piece
-//! and one for each further piece, times a factor that is spread lognormally; the factor's middle is learned for each
+//! and one for each further piece, times a factor with a lognormal spread; the factor's middle is learned for each
 //! station and drawn towards that of all stations while little is known of it. Kept in memory only, and of stations,
 //! not of people. Refuses: to know why a line takes long.
 
@@ -10,40 +10,40 @@ use super::{LineProgress, LineState, Lines};
 use giveway_floor::id::StationId;
 use std::collections::BTreeMap;
 
-/// What a line takes before anything is learned: its first piece and each further one, seconds.
+/// Times before anything is learned: for the first piece of a line and for each further one, seconds.
 const FIRST_S: f64 = 3.5;
 const FURTHER_S: f64 = 2.4;
-/// The spread of the factor before anything is learned, and how many lines that counts for.
+/// Spread of the factor before anything is learned, and the number of lines that it counts for.
 const SPREAD: f64 = 0.45;
 const SPREAD_LINES: f64 = 10.0;
-/// How many lines the starting value counts for, and how many that of all stations counts for at one of them.
+/// Number of lines that the starting value counts for, and that the value of all stations counts for at one of them.
 const START_LINES: f64 = 5.0;
 const CREW_LINES: f64 = 8.0;
-/// A line that is farther off than so many spreads counts as one that is so far off.
+/// Largest deviation that a line counts with, in spreads.
 const FARTHEST: f64 = 1.8;
-/// Older lines count less: each one by so much less than the one after it.
+/// Weight of a line relative to the one after it: older lines count less.
 const KEPT: f64 = 0.99;
 /// A factor beyond this is a break, not a pick.
 const SLOWEST: f64 = 12.0;
-/// A line that has taken longer than any is expected to take this share of that once more.
+/// Share of its time so far that a line taking longer than any is expected to take in addition.
 const OVERDUE: f64 = 0.25;
-/// Nothing ends sooner than this, seconds.
+/// Least time until anything ends, seconds.
 const AT_LEAST_S: f64 = 0.3;
-/// What a robot arm takes for a piece before anything is learned, seconds, and what a new one counts for.
+/// Time of a robot arm for a piece before anything is learned, seconds, and the weight of each new piece.
 const ARM_PIECE_S: f64 = 9.0;
 const ARM_SHARE: f64 = 0.1;
-/// Quantiles of the standard normal distribution in the middle of each sixteenth.
+/// Quantiles of the standard normal distribution at the middle of each sixteenth.
 const NORMALS: [f64; 16] = [
     -1.8627, -1.3180, -1.0100, -0.7764, -0.5791, -0.4023, -0.2372, -0.0784, 0.0784, 0.2372, 0.4023, 0.5791,
     0.7764, 1.0100, 1.3180, 1.8627,
 ];
-/// The one that nine in ten are below.
+/// The 90 % quantile of the standard normal distribution.
 const NINETIETH: f64 = 1.2816;
 
-/// How much each end of a visit widens or narrows the spread of ends, as a logarithm, and how far that goes.
+/// How much each end of a visit widens or narrows the spread of ends, as a logarithm, and the limit of the total.
 const WIDENS: f64 = 0.02;
 const WIDEST: f64 = 1.0;
-/// Share of ends that are to be between the time that one and that nine in ten end before.
+/// Wanted share of ends between the 10 % and the 90 % quantile.
 const BETWEEN: f64 = 0.8;
 
 /// Sums over lines or phases, the newest counting most.
@@ -58,40 +58,40 @@ pub(super) struct PickSums {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PickPace {
     crew: PickSums,
-    /// How far lines were off what was expected of their station.
+    /// Deviations of lines from what was expected of their station.
     residuals: PickSums,
     stations: BTreeMap<StationId, PickSums>,
-    /// By how much more than lines and phases say ends of visits are spread, as a logarithm.
+    /// How much wider ends of visits are spread than lines and phases suggest, as a logarithm.
     wider: f64,
-    /// What a robot arm takes for a piece, seconds.
+    /// Time of each station's robot arm for a piece, seconds.
     arms: BTreeMap<StationId, f64>,
-    /// What the phases of a piece take.
+    /// Times of the phases of a piece.
     phases: PhasePace,
 }
 
-/// What is seen of the visit that is on, and known of its end.
+/// What is seen of the present visit, and known of its end.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct VisitSeen {
-    /// For how long the lit line has been on since its last piece, seconds.
+    /// Time since the last piece of the lit line, or since it was lit, seconds.
     pub lit_s: f64,
-    /// What the customer said that the whole visit takes, seconds.
+    /// The customer's estimate of the whole visit, seconds.
     pub said_s: Option<f64>,
     /// What a hand does with the piece of the lit line, and for how long, seconds; nothing if no hand is seen.
     pub piece: Option<(PickPhase, f64)>,
-    /// Whether it ends when the hand is out for the last time, not when the last piece is in its tote.
+    /// Whether the visit ends when the hand is out for the last time, not when the last piece is in its tote.
     pub ends_out: bool,
 }
 
 /// How long a visit will last from now on, seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remaining {
-    /// The mean.
+    /// Mean, seconds.
     pub mean_s: f64,
-    /// One in ten ends sooner.
+    /// Time before which one visit in ten ends, seconds.
     pub p10_s: f64,
-    /// Half of them do.
+    /// Time before which half the visits end, seconds.
     pub p50_s: f64,
-    /// Nine in ten do.
+    /// Time before which nine visits in ten end, seconds.
     pub p90_s: f64,
 }
 
@@ -103,20 +103,20 @@ impl PickSums {
     }
 }
 
-/// What `pieces` pieces of one slot take on average before anything is learned, seconds; of a line that has begun,
-/// its next pieces.
+/// Average time for `pieces` pieces of one slot before anything is learned, seconds; if the line has begun, for its
+/// next pieces.
 fn usual_s(pieces: u32, begun: bool) -> f64 {
     let first = if begun { FURTHER_S } else { FIRST_S };
     first + FURTHER_S * f64::from(pieces.saturating_sub(1))
 }
 
 impl PickPace {
-    /// A line of so many pieces took so long.
+    /// Learns that a line of this many pieces took this many seconds.
     pub fn learn(&mut self, station: StationId, pieces: u32, seconds: f64) {
         let factor = seconds / usual_s(pieces, false);
         if factor > 0.0 && factor <= SLOWEST {
             let log = factor.ln();
-            // Who goes away in the middle of a line says nothing of how long lines take.
+            // A break in the middle of a line says nothing about how long lines take.
             let most = FARTHEST * self.spread();
             self.residuals.note((log - self.middle(station)).clamp(-most, most));
             self.crew.note(log);
@@ -137,7 +137,7 @@ impl PickPace {
         ((SPREAD * SPREAD * SPREAD_LINES + squares) / (SPREAD_LINES + lines)).sqrt()
     }
 
-    /// What a line of so many pieces takes at a station on average, seconds.
+    /// Average time of a line of this many pieces at a station, seconds.
     pub fn line_s(&self, station: StationId, pieces: u32) -> f64 {
         usual_s(pieces, false) * self.mean_factor(station)
     }
@@ -160,7 +160,7 @@ impl PickPace {
         Remaining::of(mean, variance, self.wider.exp())
     }
 
-    /// Mean and variance of what the hand takes for its lines.
+    /// Mean and variance of the hand's time for its lines.
     fn hand(&self, station: StationId, lines: &Lines, seen: VisitSeen) -> (f64, f64) {
         let (spread, mean_factor) = (self.spread(), self.mean_factor(station));
         let whole_s: f64 = lines.all().iter().map(|p| usual_s(p.line.quantity, false)).sum();
@@ -185,8 +185,8 @@ impl PickPace {
         })
     }
 
-    /// Mean and variance of what the piece takes that is picked now. The last of so many pieces need not be carried
-    /// until the hand is out.
+    /// Mean and variance of the rest of the present piece. The last piece of `last_of` need not be carried until the
+    /// hand is out.
     fn piece(&self, station: StationId, piece: (PickPhase, f64), last_of: Option<u32>) -> (f64, f64) {
         let until_out = (PickPhase::Carry, 0.0);
         match last_of {
@@ -201,37 +201,37 @@ impl PickPace {
         }
     }
 
-    /// Phases of a piece took so long at a station.
+    /// Learns the times of phases of a piece at a station.
     pub fn learn_phases(&mut self, station: StationId, spent: &[SpentPhase]) {
         self.phases.learn(station, spent);
     }
 
-    /// What the hand takes for its lines on average, seconds.
+    /// Average time of the hand for its lines, seconds.
     pub fn hand_s(&self, station: StationId, lines: &Lines, seen: VisitSeen) -> f64 {
         self.hand(station, lines, seen).0
     }
 
-    /// A visit has ended between the times that one and nine in ten were to end before, or not. Narrow expectations
-    /// widen until they hold eight in ten (adaptive conformal inference: Gibbs and Candès 2021, equation 2): wrong
-    /// slots, missing pieces and buttons are in no model of lines and phases.
+    /// Learns whether a visit has ended between the 10 % and the 90 % quantile. Narrow expectations widen until they
+    /// hold eight in ten (adaptive conformal inference: Gibbs and Candès 2021, equation 2): wrong slots, missing pieces
+    /// and buttons are in no model of lines and phases.
     pub fn learn_end(&mut self, held: bool) {
         let off = if held { BETWEEN - 1.0 } else { BETWEEN };
         self.wider = (self.wider + WIDENS * off).clamp(-WIDEST, WIDEST);
     }
 
-    /// A robot arm took so long for a piece, or for nothing.
+    /// Learns the time in which a robot arm picked a piece, or found none.
     pub fn learn_arm(&mut self, station: StationId, seconds: f64) {
         let mean = self.arms.entry(station).or_insert(ARM_PIECE_S);
         *mean += (seconds.min(SLOWEST * ARM_PIECE_S) - *mean) * ARM_SHARE;
     }
 
-    /// What the arm at a station takes for a piece, seconds.
+    /// Time of a station's arm for a piece, seconds.
     pub fn arm_piece_s(&self, station: StationId) -> f64 {
         self.arms.get(&station).copied().unwrap_or(ARM_PIECE_S)
     }
 }
 
-/// Mean and variance of what is left of a line that takes `line_s` on average and has been at it for `spent_s`.
+/// Mean and variance of the rest of a line that takes `line_s` on average and has taken `spent_s` so far.
 pub(super) fn rest_of(line_s: f64, spread: f64, spent_s: f64) -> (f64, f64) {
     let middle_s = line_s * (-spread * spread / 2.0).exp();
     let least_s = AT_LEAST_S.min(line_s / 2.0);
@@ -246,13 +246,13 @@ pub(super) fn rest_of(line_s: f64, spread: f64, spent_s: f64) -> (f64, f64) {
 }
 
 impl Remaining {
-    /// What is known exactly; not less than nothing.
+    /// An exactly known remaining time; at least zero.
     pub fn exactly(seconds: f64) -> Remaining {
         let s = seconds.max(0.0);
         Remaining { mean_s: s, p10_s: s, p50_s: s, p90_s: s }
     }
 
-    /// The lognormal distribution of this mean and variance, with a spread that is so many times as wide.
+    /// The lognormal distribution of this mean and variance, with its spread multiplied by `wider`.
     fn of(mean_s: f64, variance: f64, wider: f64) -> Remaining {
         if mean_s <= 0.0 {
             return Remaining { mean_s: 0.0, p10_s: 0.0, p50_s: 0.0, p90_s: 0.0 };

@@ -9,7 +9,7 @@ use giveway_floor::id::StationId;
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// What a hand does with a piece, in this order.
+/// What a hand does with a piece, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PickPhase {
     /// No hand is on its way yet.
@@ -25,20 +25,20 @@ pub enum PickPhase {
 }
 
 impl PickPhase {
-    /// All of them, in order.
+    /// All phases, in order.
     pub const ALL: [PickPhase; 5] =
         [PickPhase::Search, PickPhase::Reach, PickPhase::Grasp, PickPhase::Carry, PickPhase::Place];
 }
 
-/// What the phases take before anything is learned, seconds.
+/// Times of the phases before anything is learned, seconds.
 const USUAL_S: [f64; 5] = [0.5, 0.6, 0.9, 0.8, 0.1];
-/// The spread of their logarithms before anything is learned, and how many phases that counts for.
+/// Spread of their logarithms before anything is learned, and the number of phases that it counts for.
 const SPREAD: f64 = 0.6;
 const SPREAD_PHASES: f64 = 10.0;
-/// How many phases the starting value counts for, and how many that of all stations counts for at one of them.
+/// Number of phases that the starting value counts for, and that the value of all stations counts for at one of them.
 const START_PHASES: f64 = 5.0;
 const CREW_PHASES: f64 = 8.0;
-/// A phase that is farther off than so many times is a break, and is not learned from.
+/// Factor from the expected time beyond which a phase is a break, and is not learned from.
 const FARTHEST: f64 = 12.0;
 /// Observations farther apart than this leave a gap.
 const GAP: Span = Span::from_millis(450);
@@ -49,7 +49,7 @@ pub struct PiecePhases {
     phase: PickPhase,
     since: Time,
     seen: Time,
-    /// Whether this phase was seen from its beginning, without a gap.
+    /// Whether the present phase was seen from its beginning, without a gap.
     is_whole: bool,
 }
 
@@ -57,17 +57,17 @@ pub struct PiecePhases {
 pub type SpentPhase = (PickPhase, f64);
 
 impl PiecePhases {
-    /// A piece is wanted, and nothing of it was seen yet.
+    /// The phases of a piece that is wanted and not seen yet.
     pub fn begin(phase: PickPhase, now: Time) -> PiecePhases {
         PiecePhases { phase, since: now, seen: now, is_whole: phase == PickPhase::Search }
     }
 
-    /// The phase, and for how long it has been on, seconds; nothing if no hand was seen of late.
+    /// The present phase and its time so far, seconds; nothing if no hand was seen recently.
     pub fn now(&self, now: Time) -> Option<(PickPhase, f64)> {
         (now - self.seen < GAP).then(|| (self.phase, (now - self.since).as_secs_f64().max(0.0)))
     }
 
-    /// A hand is seen in a phase. Gives the phase that is over.
+    /// Notes the phase in which a hand is seen. Gives the phase that is over.
     pub fn see(&mut self, phase: PickPhase, seen: Time) -> Option<SpentPhase> {
         let gap = seen - self.seen > GAP;
         self.seen = seen;
@@ -79,7 +79,7 @@ impl PiecePhases {
             return None;
         }
         let spent = (self.phase, (seen - self.since).as_secs_f64());
-        // A hand that turns back has not ended anything, unless it has put the piece down.
+        // A hand that turns back has not ended a phase, unless it has put the piece down.
         let has_put = self.phase >= PickPhase::Carry && phase < PickPhase::Carry;
         let goes_on = phase > self.phase || has_put;
         let is_over = self.is_whole && goes_on;
@@ -97,7 +97,7 @@ pub struct PhasePace {
 }
 
 impl PhasePace {
-    /// Phases at a station took so long.
+    /// Learns the times of phases at a station.
     pub fn learn(&mut self, station: StationId, spent: &[SpentPhase]) {
         for (phase, seconds) in spent {
             let k = *phase as usize;
@@ -124,8 +124,8 @@ impl PhasePace {
         ((SPREAD * SPREAD * SPREAD_PHASES + squares) / (SPREAD_PHASES + lines)).sqrt()
     }
 
-    /// Mean and variance of how long phases from `from` on, until `to` is over, take together, seconds; `from` has been
-    /// on for `spent_s`.
+    /// Mean and variance of the time of the phases from `from` until `to` is over, together, seconds; `from` has taken
+    /// `spent_s` so far.
     pub fn rest(&self, station: StationId, (from, spent_s): (PickPhase, f64), to: PickPhase) -> (f64, f64) {
         let all = PickPhase::ALL.into_iter().filter(|p| *p >= from && *p <= to);
         all.fold((0.0, 0.0), |(mean, variance), phase| {
@@ -148,7 +148,8 @@ mod tests {
         Time(ms * 1_000)
     }
 
-    /// Phases that end as these are seen, in milliseconds, every 50 ms; and what is seen last.
+    /// Follows phases with these durations in milliseconds, seen every 50 ms; gives the ended phases and the last
+    /// state.
     fn followed(all: &[(PickPhase, i64)]) -> (Vec<SpentPhase>, PiecePhases) {
         let mut piece = PiecePhases::begin(PickPhase::Search, at(0));
         let (mut now, mut spent) = (0, Vec::new());

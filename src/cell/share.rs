@@ -1,16 +1,16 @@
-//! How often the person at a work cell goes to the slot that is lit, before anything is seen of the hand.
+//! How often the person at a work cell goes to the lit slot, before anything is seen of the hand.
 //!
 //! Main type: [`LitShare`]. It is learned from this person's reaches and kept no longer than the hands are seen.
 //! Refuses: to become so sure of a person that no wrong reach would be warned of.
 
-/// What is known of a person who was not seen yet, and as how many reaches that counts.
+/// Share of a person who was not seen yet, and the number of reaches that it counts for.
 const LIT: f64 = 0.985;
 const PRIOR_REACHES: f64 = 200.0;
-/// The share is between these, whatever was learned.
+/// Bounds of the share, whatever was learned.
 const LEAST: f64 = 0.8;
 const MOST: f64 = 0.998;
 
-/// Reaches to the lit slot and all reaches, with those that stand for what is known beforehand.
+/// Reaches to the lit slot and all reaches, including the ones that stand for prior knowledge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LitShare {
     lit: f64,
@@ -24,7 +24,7 @@ impl Default for LitShare {
 }
 
 impl LitShare {
-    /// A reach went to the lit slot, or to another one.
+    /// Learns whether a reach went to the lit slot or to another one.
     pub fn learn(&mut self, is_lit: bool) {
         self.lit += f64::from(u8::from(is_lit));
         self.all += 1.0;

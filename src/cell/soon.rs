@@ -4,15 +4,16 @@
 
 use super::face::{FacePlace, PickFace};
 
-/// What is foreseen, seconds.
+/// Time that is predicted, seconds.
 const SOON_S: f64 = 0.3;
-/// Robots stay where they are from this probability on.
+/// Probability from which robots stay where they are.
 pub(super) const STAYS: f64 = 0.1;
-/// Where a hand is in that time is known this well: of one at rest, metres, and for each metre that it would go.
+/// Uncertainty of where a hand is at that time: for a hand at rest, metres, and in addition for each metre that it
+/// would go.
 const REST_M: f64 = 0.03;
 const PER_M: f64 = 0.35;
 
-/// The probability that a hand that is here and moves so is in the opening or beyond it within 0.3 s.
+/// The probability that a hand at this place with this velocity is in the opening or beyond it within 0.3 s.
 pub(super) fn inside_soon(face: &PickFace, at: FacePlace, velocity: FacePlace) -> f64 {
     if face.is_inside(at) {
         return 1.0;

@@ -1,34 +1,34 @@
 //! After repeated protective stops an arm stands for a while, so that the person goes first.
 //!
-//! Main type: [`StopBackoff`]. A person does not reach past an arm that moves, and an arm that leaves and comes back
-//! moves all the time: both would wait for ever. Refuses: to shorten what the arm's own stop asks for.
+//! Main type: [`StopBackoff`]. A person does not reach past a moving arm, and an arm that leaves and comes back is
+//! always moving: both would wait for ever. Refuses: to shorten what the arm's own stop asks for.
 
 use super::kinematics::{Joints, joint_distance};
 
-/// After so many stops of one stage it still goes on at once.
+/// Number of stops in one stage after which the arm still continues at once.
 const AT_ONCE: u32 = 2;
-/// Then it stands for this number of cycles, doubled after each further stop …
+/// Number of cycles that the arm stands after the next stop; it doubles with each further stop …
 const FIRST: u32 = 10;
-/// … up to `FIRST` shifted by this: 8 s.
+/// … up to `FIRST` shifted by this number of bits: 8 s.
 const DOUBLINGS: u32 = 3;
 
-/// A stop counts if the arm went so far since the last one, radians: an arm that stands anyway does not wait longer
-/// because people pass it, but one that is held whenever it has just started does.
+/// A stop counts if the arm has moved this far since the last one, radians: an arm that is standing anyway does not
+/// wait longer because people pass it, but an arm that is held whenever it has just started does.
 const MOVED_RAD: f64 = 0.005;
 
 /// How long an arm stands after its own stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StopBackoff {
-    /// Where it was when its stop held it last at this stage.
+    /// Where the arm was when its stop last held it at this stage.
     held_at: Option<Joints>,
-    /// Stops since the stage began.
+    /// Number of stops since the stage began.
     stops: u32,
-    /// For how many cycles it is to stand.
+    /// Number of cycles for which the arm has yet to stand.
     waits: u32,
 }
 
 impl StopBackoff {
-    /// Its own stop holds it here.
+    /// Records that the arm's own stop holds it here.
     pub fn hold(&mut self, here: &Joints) {
         if self.held_at.is_some_and(|at| joint_distance(&at, here) < MOVED_RAD) {
             return;
@@ -40,14 +40,14 @@ impl StopBackoff {
         }
     }
 
-    /// A cycle passes, held or not. Whether the arm is to stand in it.
+    /// Counts one cycle, held or not. Gives whether the arm must stand in it.
     pub fn waits(&mut self) -> bool {
         let is_to_stand = self.waits > 0;
         self.waits = self.waits.saturating_sub(1);
         is_to_stand
     }
 
-    /// The arm has got on.
+    /// Records that the arm has made progress.
     pub fn got_on(&mut self) {
         *self = StopBackoff::default();
     }

@@ -1,4 +1,4 @@
-//! What an arm keeps from the picker beside it.
+//! The distance that an arm keeps from the picker beside it.
 //!
 //! Main types: [`BesidePicker`]. Refuses: to know of a picker who is not seen.
 
@@ -10,14 +10,14 @@ use super::space::ArmSpace;
 
 /// Motion is risky if any step, until the arm could stand, meets the picker's arms with more than this probability.
 pub const DELTA: f64 = 0.05;
-/// Links are kept so far from head and trunk, and from arms with that probability, metres: the arm's own stop acts
-/// before they touch.
+/// Distance that links keep from head and trunk, and from arms (with probability `DELTA`), metres: the arm's own stop
+/// acts before they touch.
 const BODY_M: f64 = 0.12;
 const ARMS_M: f64 = 0.07;
-/// An arm that came nearer keeps this, metres.
+/// Distance kept by an arm that is already nearer than that, metres.
 const NEAR_M: f64 = 0.01;
 
-/// A place with a picker in it, thickened by so much.
+/// The arm's space with a picker in it, thickened by `clear_m` metres.
 pub(super) fn space_beside(space: &ArmSpace, picker: Option<&PickerAhead>, clear_m: f64) -> ArmSpace {
     let mut space = space.clone();
     let limbs = |p: &PickerAhead| p.arms.first().map_or_else(Vec::new, |limbs| limbs.capsules(clear_m));
@@ -33,13 +33,13 @@ pub(super) fn space_beside(space: &ArmSpace, picker: Option<&PickerAhead>, clear
 pub(super) struct BesidePicker<'a> {
     space: &'a ArmSpace,
     picker: Option<&'a PickerAhead>,
-    /// What is kept from head and trunk, and from arms, metres: less where the arm is nearer already.
+    /// Distances kept from head and trunk, and from arms, metres: less where the arm is nearer already.
     body_m: f64,
     arms_m: f64,
 }
 
 impl<'a> BesidePicker<'a> {
-    /// In this cycle, with the arm as it is.
+    /// The situation of one cycle, with the arm as it is now.
     pub fn new(space: &'a ArmSpace, picker: Option<&'a PickerAhead>, present: &Joints) -> BesidePicker<'a> {
         let mut beside = BesidePicker { space, picker, body_m: BODY_M, arms_m: ARMS_M };
         let Some(picker) = picker else { return beside };
@@ -56,7 +56,7 @@ impl<'a> BesidePicker<'a> {
         self.space.kind.capsules(&self.space.kind.pose(&self.space.base, q), margin_m)
     }
 
-    /// The probability that the arm meets the picker with these angles at a step of a trajectory.
+    /// The probability that the arm at these angles meets the picker at a step of a trajectory.
     pub fn risk(&self, q: &Joints, step: usize) -> f64 {
         let Some(picker) = self.picker else { return 0.0 };
         if least_distance_m(&self.links(q, 0.0), &picker.body) < self.body_m {

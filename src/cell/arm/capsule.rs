@@ -1,15 +1,15 @@
-//! Capsules: segments with a radius, for limbs of people and links of arms, and how far they are from one another.
+//! Capsules: segments with a radius, for limbs of people and links of arms, and the distances between them.
 //!
-//! Main types: [`Capsule`], [`Nearest`]. Refuses: to know what moves, and with which spread.
+//! Main types: [`Capsule`], [`Nearest`]. Refuses: to know what moves, and how uncertain it is.
 
 use nalgebra::{Point3, Vector3};
 
-/// All places within a radius of a segment.
+/// All points within a radius of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
-    /// Where the segment begins, map frame, metres.
+    /// Start of the segment, map frame, metres.
     pub a: Point3<f64>,
-    /// Where it ends.
+    /// End of the segment, map frame, metres.
     pub b: Point3<f64>,
     /// Radius, metres.
     pub radius_m: f64,
@@ -18,25 +18,25 @@ pub struct Capsule {
 /// The closest points of two segments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// On the first segment.
+    /// The point on the first segment.
     pub first: Point3<f64>,
-    /// On the second one.
+    /// The point on the second segment.
     pub second: Point3<f64>,
-    /// The first point's share of its segment, 0 at `a`.
+    /// Position of the first point along its segment: 0 at `a`, 1 at `b`.
     pub s: f64,
-    /// The second one's.
+    /// Position of the second point along its segment: 0 at `a`, 1 at `b`.
     pub t: f64,
-    /// How far they are apart, metres.
+    /// Distance between the two points, metres.
     pub apart_m: f64,
 }
 
 impl Capsule {
-    /// The point at a share of the segment.
+    /// The point at a share of the segment, 0 at `a`.
     pub fn at(&self, share: f64) -> Point3<f64> {
         self.a + (self.b - self.a) * share
     }
 
-    /// The closest points of both segments (Ericson 2005, 5.1.9). Of parallel ones, any closest pair.
+    /// The closest points of both segments (Ericson 2005, 5.1.9); for parallel segments, any closest pair.
     pub fn nearest(&self, other: &Capsule) -> Nearest {
         let (d1, d2, r) = (self.b - self.a, other.b - other.a, self.a - other.a);
         let (a, e, f) = (d1.norm_squared(), d2.norm_squared(), d2.dot(&r));
@@ -71,21 +71,21 @@ impl Capsule {
         Nearest { first, second, s, t, apart_m: (first - second).norm() }
     }
 
-    /// How far the surfaces are apart, metres; negative where they overlap.
+    /// Distance between the surfaces, metres; negative where they overlap.
     pub fn distance_m(&self, other: &Capsule) -> f64 {
         self.nearest(other).apart_m - self.radius_m - other.radius_m
     }
 }
 
 impl Nearest {
-    /// The direction from the second point to the first; upwards where both are one.
+    /// The direction from the second point to the first; upwards where they coincide.
     pub fn normal(&self) -> Vector3<f64> {
         let between = self.first - self.second;
         if self.apart_m > 1e-9 { between / self.apart_m } else { Vector3::z() }
     }
 }
 
-/// The least distance of any of these to any of those, metres; infinite where there are none.
+/// The least distance of any of `these` to any of `those`, metres; infinite where either is empty.
 pub fn least_distance_m(these: &[Capsule], those: &[Capsule]) -> f64 {
     let pairs = these.iter().flat_map(|a| those.iter().map(move |b| a.distance_m(b)));
     pairs.fold(f64::INFINITY, f64::min)
@@ -99,7 +99,7 @@ mod tests {
         Capsule { a: a.into(), b: b.into(), radius_m: 0.1 }
     }
 
-    /// By trying many pairs of points.
+    /// The distance of two segments found by trying many pairs of points.
     fn tried(x: &Capsule, y: &Capsule) -> f64 {
         let shares = || (0..=200).map(|i| f64::from(i) / 200.0);
         let pairs = shares().flat_map(|s| shares().map(move |t| (s, t)));

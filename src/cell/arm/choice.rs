@@ -1,24 +1,24 @@
 //! Choice among given trajectories by their risk (Liu and Jebelli 2023, algorithm 2).
 //!
-//! Main types: [`Choice`]. Refuses: to make trajectories, and to take one that finishes sooner before one that is
+//! Main types: [`Choice`]. Refuses: to make trajectories, and to prefer one that finishes sooner over one that is
 //! nearer.
 
 use super::kinematics::{Joints, joint_distance};
 
-/// What the arm is to do.
+/// What the arm should do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// Go on with the planned trajectory.
+    /// Continue with the planned trajectory.
     Planned,
-    /// Take this one of the set instead.
+    /// Switch to the trajectory of the set with this index.
     Other(usize),
-    /// All are too risky: stand.
+    /// Stand: all trajectories are too risky.
     Stand,
 }
 
-/// Keeps the planned trajectory if its risk is at most `delta` at each step; otherwise takes, of those of the set
-/// whose risk is, the one with the shortest way from the present configuration along it. `risk` tells the probability
-/// of an overlap with these angles at the step of this number, counted from 0.
+/// Keeps the planned trajectory if its risk is at most `delta` at each step; otherwise takes, among the trajectories of
+/// the set with that risk, the one that is shortest from the present configuration. `risk` gives the probability of an
+/// overlap at these angles at a step, counted from 0.
 pub fn choose(
     present: &Joints,
     planned: &[Joints],
@@ -43,7 +43,7 @@ pub fn choose(
 mod tests {
     use super::*;
 
-    /// The first axis at these angles.
+    /// A trajectory with the first axis at these angles.
     fn way(angles: &[f64]) -> Vec<Joints> {
         angles.iter().map(|a| [*a, 0.0, 0.0, 0.0, 0.0, 0.0]).collect()
     }

@@ -1,61 +1,61 @@
-//! What a cell and an arm say to one another beside joints: what the gripper is to do, and what it did.
+//! What a cell and an arm exchange beside joints: what the gripper should do, and what it did.
 //!
-//! Main types: [`ArmSaid`] (comes in), [`ArmOrder`] (goes out). Either is repeated until the other side has it, so
-//! that lost messages do no harm: a grip has a number and is done once. Refuses: grips while the arm moves.
+//! Main types: [`ArmSaid`] (comes in), [`ArmOrder`] (goes out). Each is repeated until the other side has it, so that
+//! lost messages do no harm: a grip has a number and is done once. Refuses: grips while the arm moves.
 
 use super::seam::{ArmReport, ArmTrajectory};
 use giveway_floor::id::{JobId, StationId};
 use giveway_floor::warehouse::SlotName;
 
-/// What the gripper does where the arm stands.
+/// What the gripper does while the arm stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GripAct {
-    /// It takes a piece out of this slot.
+    /// Takes a piece out of this slot.
     Take(SlotName),
-    /// It puts the piece into this tote, by its number at the station.
+    /// Puts the piece into the tote with this number at the station.
     Put(usize),
-    /// It lays aside, where the arm rests, a piece that nobody wants any more.
+    /// Lays aside, where the arm rests, a piece that is no longer wanted.
     LayAside,
 }
 
-/// A grip that is wanted.
+/// A requested grip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ArmGrip {
-    /// Its number: what was done under it is not done again.
+    /// Number of the grip: a grip that was done under a number is not done again.
     pub number: u64,
-    /// What.
+    /// What the gripper should do.
     pub act: GripAct,
 }
 
-/// What came of a grip.
+/// The result of a grip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gripped {
-    /// It is done.
+    /// The grip is done.
     Done,
     /// There was nothing to take.
     Empty,
 }
 
-/// What an arm says, about ten times a second.
+/// A report from an arm, about ten times a second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmSaid {
-    /// Where it is.
+    /// The arm's station.
     pub station: StationId,
-    /// How it is.
+    /// The arm's joints and whether its stop holds it.
     pub report: ArmReport,
-    /// The last grip that it has ended, by its number, and what came of it.
+    /// Number and result of the last grip that the arm has finished.
     pub gripped: Option<(u64, Gripped)>,
 }
 
-/// What an arm is to do. It follows the trajectory, stands at its end unless something newer came, and grips there.
+/// An order to an arm: to follow the trajectory, stand at its end unless a newer order came, and grip there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmOrder {
-    /// Where it is.
+    /// The arm's station.
     pub station: StationId,
     /// At most a second of motion.
     pub trajectory: ArmTrajectory,
-    /// What the gripper does at its end.
+    /// What the gripper does at the end of the trajectory.
     pub grip: Option<ArmGrip>,
-    /// Whom it picks for: the job, and the number of its line. Nothing where the arm has no task.
+    /// The job, and the number of its line, for which the arm picks; nothing where the arm has no task.
     pub line: Option<(JobId, usize)>,
 }

@@ -1,7 +1,7 @@
 //! Six-axis kinematics from a table: where joints, links and tool of an arm are, and how they move with its axes.
 //!
-//! Main types: [`ArmKind`], [`ArmPosture`], [`Joints`]. Refuses: tables that contradict themselves, and other than six
-//! turning axes.
+//! Main types: [`ArmKind`], [`ArmPosture`], [`Joints`]. Refuses: tables that contradict themselves, and anything but
+//! six turning axes.
 
 use super::capsule::Capsule;
 use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, Rotation3, Vector3, Vector6};
@@ -14,8 +14,8 @@ pub type Joints = [f64; 6];
 /// Points of a pose: the base, the origins of the six frames, and the tip of the tool.
 pub const ARM_POINTS: usize = 8;
 
-/// One axis in the notation of Denavit and Hartenberg (1955): turn by the angle and shift by `d` about z, then shift
-/// by `a` and turn by `alpha` about x.
+/// One axis in the notation of Denavit and Hartenberg (1955): a turn by the joint angle and a shift by `d` about z,
+/// then a shift by `a` and a turn by `alpha` about x.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisRow {
@@ -31,51 +31,51 @@ pub struct AxisRow {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinkShape {
-    /// Number of the point where it begins: 0 is the base, 1 to 6 the frames, 7 the tool's tip.
+    /// Number of the point where the link begins: 0 is the base, 1 to 6 the frames, 7 the tool's tip.
     pub from: usize,
-    /// Number of the point where it ends.
+    /// Number of the point where the link ends.
     pub to: usize,
     /// Radius, metres.
     pub radius_m: f64,
 }
 
-/// What all arms of a kind have in common.
+/// What all arms of one kind have in common.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArmKind {
-    /// Its name.
+    /// Name of the kind.
     pub name: String,
     /// The axes, base first.
     pub rows: [AxisRow; 6],
-    /// How far the tool reaches beyond the last frame, along its z axis, metres.
+    /// Reach of the tool beyond the last frame, along its z axis, metres.
     pub tool_m: f64,
-    /// Least angles, radians.
+    /// Least joint angles, radians.
     pub low_rad: Joints,
-    /// Greatest angles, radians.
+    /// Greatest joint angles, radians.
     pub high_rad: Joints,
-    /// Greatest speeds, rad/s.
+    /// Greatest joint speeds, rad/s.
     pub speed_radps: Joints,
-    /// Greatest accelerations, rad/s².
+    /// Greatest joint accelerations, rad/s².
     pub acceleration_radps2: Joints,
-    /// Links as capsules.
+    /// The links as capsules.
     pub links: Vec<LinkShape>,
 }
 
 /// Why a kind of arm is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ArmKindError {
-    /// The text is no such table.
+    /// The text is not a table of this kind.
     #[error("the arm's table cannot be read: {0}")]
     Unreadable(String),
-    /// A figure is not finite, negative where that has no meaning, or its limits are empty.
+    /// The axis with this index has a value that is not finite or negative where that has no meaning, or empty limits.
     #[error("axis {0} of the arm has impossible figures")]
     Axis(usize),
-    /// A link without length, with unknown points, or with a radius that is none.
+    /// The link with this index has no length, unknown points, or an invalid radius.
     #[error("link {0} of the arm has impossible figures")]
     Link(usize),
 }
 
-/// Where all of an arm is.
+/// Where every part of an arm is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmPosture {
     /// The base, the origins of the six frames, the tip of the tool; map frame, metres.
@@ -94,10 +94,10 @@ static LONG_REACH: LazyLock<ArmKind> = LazyLock::new(|| {
 });
 
 impl ArmKind {
-    /// A kind from its table (JSON).
+    /// Reads a kind of arm from its table (JSON).
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The first fault in the table.
     pub fn parse(text: &str) -> Result<ArmKind, ArmKindError> {
         let kind: ArmKind =
             serde_json::from_str(text).map_err(|e| ArmKindError::Unreadable(e.to_string()))?;
@@ -124,16 +124,16 @@ impl ArmKind {
         &COLLABORATIVE
     }
 
-    /// A collaborative arm for 10 kg with 1.3 m of reach, as several makers sell it, and a gripper that is slender
-    /// enough to reach into bins.
+    /// A collaborative arm for 10 kg with 1.3 m of reach, as several makers sell it, and a gripper slender enough to
+    /// reach into bins.
     pub fn long_reach() -> &'static ArmKind {
         &LONG_REACH
     }
 
-    /// Kinds of arms in maps whose tables are known.
+    /// Names of the kinds of arm that maps may use, whose tables are built in.
     pub const NAMES: [&str; 4] = ["ur5", "collaborative", "ur10", "long_reach"];
 
-    /// The kind that a map names; nothing for one whose table is not known.
+    /// The kind that a map names; nothing for a name without a built-in table.
     pub fn named(kind: &str) -> Option<&'static ArmKind> {
         match kind {
             "ur5" | "collaborative" => Some(ArmKind::collaborative()),
@@ -142,13 +142,13 @@ impl ArmKind {
         }
     }
 
-    /// Whether all angles are ones that the arm can have.
+    /// Whether all angles are within the arm's limits.
     pub fn allows(&self, joints: &Joints) -> bool {
         let within = |k: usize| joints[k] >= self.low_rad[k] && joints[k] <= self.high_rad[k];
         (0..6).all(within)
     }
 
-    /// Where the arm is with these angles, its base standing at `base`.
+    /// The posture of the arm at these angles, with its base at `base`.
     pub fn pose(&self, base: &Isometry3<f64>, joints: &Joints) -> ArmPosture {
         let mut turn: Matrix3<f64> = *base.rotation.to_rotation_matrix().matrix();
         let mut at = Point3::from(base.translation.vector);
@@ -177,7 +177,7 @@ impl ArmKind {
         ArmPosture { points, axes, tool: Rotation3::from_matrix_unchecked(turn) }
     }
 
-    /// The links of a pose as capsules; each is `margin_m` thicker than it is.
+    /// The links of a posture as capsules, each thickened by `margin_m`.
     pub fn capsules(&self, pose: &ArmPosture, margin_m: f64) -> Vec<Capsule> {
         let capsule = |link: &LinkShape| Capsule {
             a: pose.points[link.from],
@@ -187,7 +187,7 @@ impl ArmKind {
         self.links.iter().map(capsule).collect()
     }
 
-    /// Angles with which the tool's tip is at `tip` and its z axis points along `along`, near `seed`: damped least
+    /// Angles near `seed` with which the tool's tip is at `tip` and its z axis points along `along`: damped least
     /// squares (Wampler 1986) with a fixed number of steps. Nothing where that does not get within a millimetre.
     pub fn reach(
         &self,
@@ -224,14 +224,14 @@ impl ArmKind {
 }
 
 impl ArmPosture {
-    /// How the point number `point` moves with axis `k`, metres per radian; zero where the axis lies behind it.
+    /// How the point number `point` moves with axis `k`, metres per radian; zero where the axis comes after the point.
     pub fn jacobian_column(&self, point: usize, k: usize) -> Vector3<f64> {
         self.column_at(self.points[point], point, k)
     }
 
-    /// The same for any place that moves with the point number `point`.
+    /// How a place that moves with the point number `point` moves with axis `k`, metres per radian.
     pub fn column_at(&self, at: Point3<f64>, point: usize, k: usize) -> Vector3<f64> {
-        // Frame k + 1 is the first that axis k moves.
+        // Axis k first moves frame k + 1.
         if point <= k {
             return Vector3::zeros();
         }
@@ -239,12 +239,12 @@ impl ArmPosture {
     }
 }
 
-/// The distance of two configurations, radians: the root of the summed squares.
+/// Distance between two configurations, radians: the root of the summed squares.
 pub fn joint_distance(a: &Joints, b: &Joints) -> f64 {
     (0..6).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The configuration at a share of the straight way from one to another.
+/// The configuration at a share of the straight path from `a` to `b`.
 pub fn between(a: &Joints, b: &Joints, share: f64) -> Joints {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * share)
 }

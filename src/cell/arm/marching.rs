@@ -1,12 +1,12 @@
-//! Ways of an arm by two wavefronts over one set of samples: bidirectional fast marching trees (Starek et al. 2015).
+//! Arm paths from two wavefronts over one set of samples: bidirectional fast marching trees (Starek et al. 2015).
 //!
-//! Main function: [`bfmt_star`]. Numbers come from the caller; work is bounded by counted samples. Refuses: ways that
+//! Main function: [`bfmt_star`]. Numbers come from the caller; work is bounded by counted samples. Refuses: paths that
 //! were not checked, and clocks.
 
 use super::kinematics::{Joints, joint_distance};
 use super::space::{ArmSpace, ArmWay};
 
-/// A wave from one end.
+/// A wave from one end of the path.
 struct Wave {
     parents: Vec<Option<usize>>,
     costs: Vec<f64>,
@@ -42,7 +42,7 @@ impl Wave {
     }
 }
 
-/// The way over so many free samples, grown in turns from both ends until the waves meet.
+/// The path over `samples` free samples, grown in turns from both ends until the waves meet.
 pub fn bfmt_star(
     space: &ArmSpace,
     start: &Joints,
@@ -51,7 +51,7 @@ pub fn bfmt_star(
     draw: &mut dyn FnMut() -> f64,
 ) -> Option<ArmWay> {
     let mut nodes = vec![*start, *goal];
-    // Of samples that are not free as many again are drawn at most.
+    // Some samples are not free: at most three times as many are drawn as are wanted.
     for _ in 0..3 * samples {
         let q = space.configuration(draw);
         if space.is_free(&q) {
@@ -89,7 +89,7 @@ pub fn bfmt_star(
     space.check(way.into_iter().map(|k| nodes[k]).collect())
 }
 
-/// One step of the march: unvisited samples near the front are joined to their best open neighbour where that is free.
+/// One step of the march: joins unvisited samples near the front to their best open neighbour where that path is free.
 fn expand(space: &ArmSpace, nodes: &[Joints], near: &[Vec<usize>], wave: &mut Wave, z: usize) {
     let mut opened = Vec::new();
     for x in near[z].iter().copied() {
@@ -110,7 +110,7 @@ fn expand(space: &ArmSpace, nodes: &[Joints], near: &[Vec<usize>], wave: &mut Wa
     opened.into_iter().for_each(|x| wave.is_open[x] = true);
 }
 
-/// The nearest samples of each one; who is near is near to both.
+/// For each sample its `count` nearest ones, and the samples that it is among the nearest of.
 fn neighbours(nodes: &[Joints], count: usize) -> Vec<Vec<usize>> {
     let mut near: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
     for (k, q) in nodes.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! A robot arm beside the picker: where its links are, how probably they meet a person's arm, and how it keeps clear.
 //!
 //! Main types: [`ArmKind`], [`Capsule`], [`UncertainLimbs`], [`Choice`], [`ArmControl`], [`ArmSpace`], [`ArmSeam`],
-//! [`ArmSite`] (an arm at its station), [`StationArm`] (what it does there). It is no safety function: the arm's own
-//! monitored stop protects people, and what is decided here makes it needed less often. Refuses: clocks, chance, and
+//! [`ArmSite`] (an arm at its station), [`StationArm`] (what it does there). This is no safety function: the arm's own
+//! monitored stop protects people, and the decisions here make that stop act less often. Refuses: clocks, chance, and
 //! paths that were not checked.
 
 mod backoff;

@@ -1,7 +1,8 @@
-//! Trajectories of a second round a person's arm, ten times a second (Lyu et al. 2022, equations 6 to 14).
+//! Trajectories of one second around a person's arm, ten times a second (Lyu et al. 2022, equations 6 to 14).
 //!
-//! Main types: [`ArmControl`], [`ArmPlan`], [`ArmGoal`]. The optimum of a quadratic program about the trajectory of
-//! the cycle before. Refuses: to break the arm's own limits, and to plan from where it was not told to be.
+//! Main types: [`ArmControl`], [`ArmPlan`], [`ArmGoal`]. A plan is the optimum of a quadratic program about the
+//! trajectory of the cycle before. Refuses: to break the arm's own limits, and to plan from anywhere but the reported
+//! joints.
 //!
 //! Planes stand between the closest points **of capsules**, not of joints; the speed limits are the arm's own, since
 //! with the printed 0.02 rad/s no arm moves 0.87 m in 3.9 s.
@@ -13,76 +14,76 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Steps of a trajectory.
 pub const HORIZON: usize = 10;
-/// Their interval, seconds; a cycle is as long.
+/// Interval between the steps, seconds; a cycle is as long.
 pub const CYCLE_S: f64 = 0.1;
-/// So many first steps are those of the trajectory before.
+/// Number of first steps that are kept from the trajectory of the cycle before.
 pub const FROZEN: usize = 2;
-/// So many of a step's closest pairs get planes.
+/// Number of closest pairs per step that get planes.
 const MOST_PLANES: usize = 6;
-/// How far a step may be from where it was linearised, radians.
+/// Largest distance of a step from where it was linearised, radians.
 const TRUST_RAD: f64 = 0.35;
-/// Steps that are optimised.
+/// Number of steps that are optimised.
 const FREE: usize = HORIZON - FROZEN;
 
-/// Where the tool is to be.
+/// Where the tool should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmGoal {
     /// Place of the tool's tip, map frame, metres.
     pub tip: Point3<f64>,
-    /// Direction of the tool's z axis, of length one.
+    /// Direction of the tool's z axis, a unit vector.
     pub along: Vector3<f64>,
 }
 
-/// All links stay where `normal · place ≤ offset`.
+/// A limit of the workplace: all links stay where `normal · place ≤ offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkPlane {
-    /// Outwards, of length one.
+    /// The outward normal, a unit vector.
     pub normal: Vector3<f64>,
-    /// Metres from the origin.
+    /// Distance of the plane from the origin, metres.
     pub offset_m: f64,
 }
 
-/// A trajectory: the configurations 0.1 s from now, 0.2 s, and so on up to a second. It is slow enough at its end to
-/// stand after one step more.
+/// A trajectory: the configurations 0.1 s from now, 0.2 s, and so on up to one second. It is slow enough at its end for
+/// the arm to stand one step later.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmPlan {
-    /// The configurations.
+    /// The configurations, one for each step.
     pub steps: [Joints; HORIZON],
 }
 
 /// Weights of the costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmWeights {
-    /// Of the tip's distance to the goal (equation 6), per m².
+    /// Weight of the tip's distance to the goal (equation 6), per m².
     pub position: f64,
-    /// It counts no more than so much, metres.
+    /// Distance beyond which the tip's distance to the goal counts no more, metres.
     pub most_m: f64,
-    /// Of the tool's direction (equation 7).
+    /// Weight of the tool's direction (equation 7).
     pub direction: f64,
-    /// Of speeds (`b` of equation 11), per (rad/s)².
+    /// Weight of speeds (`b` of equation 11), per (rad/s)².
     pub speed: f64,
-    /// Of accelerations (`c` of equation 11), per (rad/s²)².
+    /// Weight of accelerations (`c` of equation 11), per (rad/s²)².
     pub acceleration: f64,
-    /// Of what lies behind a plane (equation 13), per m².
+    /// Weight of how far a link is behind a plane (equation 13), per m².
     pub behind: f64,
 }
 
 /// An arm that keeps clear of a person.
 #[derive(Clone, Debug)]
 pub struct ArmControl {
-    /// What arm it is.
+    /// The kind of arm.
     pub kind: ArmKind,
-    /// Where it stands.
+    /// Where the arm stands.
     pub base: Isometry3<f64>,
-    /// Limits of its place.
+    /// Limits of the workplace.
     pub planes: Vec<WorkPlane>,
-    /// Links are thicker by so much than they are, metres.
+    /// By how much links are thickened, metres.
     pub link_margin_m: f64,
-    /// Least distance of capsules that is wanted (`d` of equation 13), metres.
+    /// Least distance between capsules that is wanted (`d` of equation 13), metres.
     pub keep_m: f64,
-    /// Planes are made where capsules are nearer than this beyond it, metres.
+    /// Planes are made where capsules are nearer than `keep_m` plus this, metres.
     pub watch_m: f64,
-    /// Where to evade preferably (`B` of equation 12).
+    /// Preferred direction of evasion (`B` of equation 12).
     pub bias: Vector3<f64>,
     /// Weights of the costs.
     pub weights: ArmWeights,
@@ -91,10 +92,10 @@ pub struct ArmControl {
 /// Why there is no trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ArmPlanRefusal {
-    /// The arm cannot be where it is said to be.
+    /// The arm cannot be at the reported joints.
     #[error("the arm reports joints that it cannot have")]
     Joints,
-    /// The goal is no place.
+    /// The goal is not a valid place.
     #[error("the arm's goal is not a place")]
     Goal,
     /// The solver found no optimum.
@@ -103,20 +104,20 @@ pub enum ArmPlanRefusal {
 }
 
 impl ArmPlan {
-    /// Standing.
+    /// A trajectory that stands at these joints.
     pub fn standing(joints: &Joints) -> ArmPlan {
         ArmPlan { steps: [*joints; HORIZON] }
     }
 
-    /// The same a cycle later: its first step is over, at its end the arm stands.
+    /// The trajectory one cycle later: its first step is over, and at its end the arm stands.
     pub fn a_cycle_later(&self) -> ArmPlan {
         ArmPlan { steps: std::array::from_fn(|k| self.steps[(k + 1).min(HORIZON - 1)]) }
     }
 }
 
 impl ArmControl {
-    /// The usual weights and margins: links are thickened to the published 10 cm, and 3 cm more are kept (published:
-    /// 0).
+    /// A control with the usual weights and margins: links are thickened to the published 10 cm, and 3 cm more are kept
+    /// (published: 0).
     pub fn new(kind: ArmKind, base: Isometry3<f64>, planes: Vec<WorkPlane>) -> ArmControl {
         let thinnest = kind.links.iter().map(|l| l.radius_m).fold(0.1, f64::min);
         ArmControl {
@@ -138,11 +139,11 @@ impl ArmControl {
         }
     }
 
-    /// The trajectory that follows `before`, whose first step is now `present`: its own first two steps are that one's
-    /// next two. `limbs` are the person's capsules at the steps; where there are fewer, the last ones stay.
+    /// The trajectory that follows `before`, whose first step is now `present`: its own first two steps are the next
+    /// two of `before`. `limbs` are the person's capsules at the steps; where there are fewer, the last ones stay.
     ///
     /// # Errors
-    /// Why there is none; the arm then follows the one that it has, and stands at its end.
+    /// Why there is none; the arm then follows the trajectory that it has, and stands at its end.
     pub fn plan(
         &self,
         present: &Joints,
@@ -213,7 +214,7 @@ impl ArmControl {
         }
     }
 
-    /// Equations 8 and 14. What is beyond a plane already may stay there, but not go farther.
+    /// Equations 8 and 14. A point that is beyond a plane already may stay there, but not go farther.
     fn place_bounds(&self, program: &mut QuadraticProgram, about: &ArmPlan, step: usize, pose: &ArmPosture) {
         for axis in 0..6 {
             let q = about.steps[step][axis];
@@ -226,7 +227,7 @@ impl ArmControl {
             ends.map(|l| l.radius_m).fold(0.0, f64::max)
         };
         for point in 2..ARM_POINTS {
-            // The tip touches what it works at.
+            // The tip touches what it works on.
             let radius = if point == 7 { 0.0 } else { radius(point) };
             for plane in &self.planes {
                 let room = plane.offset_m - radius - plane.normal.dot(&pose.points[point].coords);
@@ -266,7 +267,7 @@ impl ArmControl {
                 let most = self.kind.acceleration_radps2[axis];
                 let (terms, constant) = sum(&[(step, 1.0 / CYCLE_S), (step - 1, -1.0 / CYCLE_S)], axis);
                 program.cost(self.weights.speed, &terms, -constant);
-                // Slow enough to stand after one step more.
+                // Slow enough to stand one step later.
                 let speed = if step as usize == HORIZON - 1 { speed.min(most * CYCLE_S) } else { speed };
                 program.within(&terms, -speed - constant, speed - constant);
                 let f = 1.0 / (CYCLE_S * CYCLE_S);
@@ -316,16 +317,16 @@ impl ArmControl {
     }
 }
 
-/// A plane that a link is to stay in front of at a step.
+/// A plane that a link should stay in front of at a step.
 struct SeparatingPlane {
     step: usize,
-    /// How the distance to it changes with the axes, metres per radian.
+    /// How the link's distance to the plane changes with the axes, metres per radian.
     slope: [f64; 6],
-    /// How far in front of it the link is where it was linearised, metres.
+    /// Distance of the link in front of the plane where it was linearised, metres.
     clear_m: f64,
 }
 
-/// The variable of an axis at a step that is not frozen.
+/// Index of the variable of an axis at a step that is not frozen.
 fn variable(step: usize, axis: usize) -> usize {
     (step - FROZEN) * 6 + axis
 }
@@ -344,7 +345,7 @@ mod tests {
         (ArmControl::new(kind, base, vec![table]), home)
     }
 
-    /// Follows its own plans for some cycles; gives all configurations.
+    /// Follows the control's own plans for some cycles; gives all configurations.
     fn followed(control: &ArmControl, from: Joints, goal: &ArmGoal, limbs: &[Vec<Capsule>]) -> Vec<Joints> {
         let (mut plan, mut all) = (ArmPlan::standing(&from), vec![from]);
         for _ in 0..40 {

@@ -1,7 +1,7 @@
-//! A graph net that proposes the next configuration, and ways that grow by it from both ends (Liu et al. 2024,
-//! equations 5 to 8).
+//! A graph net that proposes the next configuration, and paths that it grows from both ends (Liu et al. 2024, equations
+//! 5 to 8).
 //!
-//! Main types: [`WorkGraph`], [`GraphNet`]. Refuses: to return a way that was not checked; where it finds none, the
+//! Main types: [`WorkGraph`], [`GraphNet`]. Refuses: to return a path that was not checked; where it finds none, the
 //! caller falls back on RRT-Connect.
 
 use super::capsule::Capsule;
@@ -10,16 +10,16 @@ use super::space::{ArmSpace, ArmWay};
 use nalgebra::{DMatrix, Point3};
 use std::f64::consts::PI;
 
-/// Nodes of the graph: six joints now, six at the goal, three points each of eight obstacles, four joints of the
-/// person's arm, and of five forecast arms elbow, wrist and palm each.
+/// Nodes of the graph: six joints now, six at the goal, three points for each of eight obstacles, four joints of the
+/// person's arm, and elbow, wrist and palm for each of five forecast arms.
 pub const GRAPH_NODES: usize = 55;
-/// Numbers per node.
+/// Number of features per node.
 pub const GRAPH_FEATURES: usize = 6;
-/// Graph convolutions.
+/// Number of graph convolutions.
 pub const GRAPH_LAYERS: usize = 5;
-/// Obstacles that are shown to the net; the first ones.
+/// Number of obstacles that are shown to the net; the first ones.
 const SHOWN: usize = 8;
-/// How far the net's step leads at most, radians.
+/// Longest step of the net, radians.
 pub const NET_STEP_RAD: f64 = 0.4;
 
 /// What the net sees besides the configurations: places of obstacles and of the person's arm, now and forecast.
@@ -30,7 +30,7 @@ pub struct WorkGraph {
 }
 
 impl WorkGraph {
-    /// Of obstacles, the person's joints (shoulder to palm), and forecast ones.
+    /// The graph of obstacles, the person's joints (shoulder to palm), and forecast arms.
     pub fn new(obstacles: &[Capsule], arm: &[Point3<f64>; 4], forecast: &[[Point3<f64>; 4]; 5]) -> WorkGraph {
         let place = |p: Point3<f64>, radius: f64, ahead: f64| [p.x, p.y, p.z, radius, ahead, 1.0];
         let mut places = Vec::with_capacity(GRAPH_NODES - 12);
@@ -45,7 +45,7 @@ impl WorkGraph {
         WorkGraph { places }
     }
 
-    /// The feature matrix: joint k has its angle in column k, over π; at the goal that is how far it still is.
+    /// The feature matrix: joint k has its angle in column k, over π; its goal node has the angle still to go.
     pub fn features(&self, now: &Joints, goal: &Joints) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(GRAPH_NODES, GRAPH_FEATURES);
         for k in 0..6 {
@@ -60,7 +60,7 @@ impl WorkGraph {
 }
 
 /// Neighbours of each node with the weights of D^-½ (A + I) D^-½ (equation 6): joints along the arm, each joint with
-/// its goal and all places, points of one obstacle or arm with the next.
+/// its goal and all places, and points of one obstacle or arm with the next.
 pub fn adjacency() -> Vec<Vec<(usize, f64)>> {
     let mut near = vec![Vec::new(); GRAPH_NODES];
     let mut join = |a: usize, b: usize| {
@@ -93,34 +93,34 @@ pub fn adjacency() -> Vec<Vec<(usize, f64)>> {
     (0..GRAPH_NODES).map(weighted).collect()
 }
 
-/// The net: five graph convolutions, the sum of all nodes, one dense layer; its answer is a step from the
+/// The net: five graph convolutions, the sum over all nodes, and one dense layer; its output is a step from the
 /// configuration.
 #[derive(Clone, Debug)]
 pub struct GraphNet {
-    /// Θ of equation 6, by layer.
+    /// Weights Θ of equation 6, by layer.
     pub layers: Vec<DMatrix<f64>>,
     /// The output layer, width × 6.
     pub output: DMatrix<f64>,
-    /// Its bias, 1 × 6.
+    /// Bias of the output layer, 1 × 6.
     pub bias: DMatrix<f64>,
     near: Vec<Vec<(usize, f64)>>,
 }
 
-/// What a pass through the net leaves for learning.
+/// Intermediate values of a pass through the net, kept for learning.
 #[derive(Clone, Debug)]
 pub struct NetPass {
-    /// Neighbourhood means that each layer multiplied.
+    /// The neighbourhood means that went into each layer.
     pub means: Vec<DMatrix<f64>>,
-    /// What each layer gave, after the rectifier.
+    /// The output of each layer, after the rectifier.
     pub hidden: Vec<DMatrix<f64>>,
-    /// Sum over nodes, 1 × width.
+    /// The sum over nodes, 1 × width.
     pub pooled: DMatrix<f64>,
     /// The step, radians.
     pub step: Joints,
 }
 
 impl GraphNet {
-    /// A net of these weights; nothing if their shapes do not fit or a number is not finite.
+    /// A net with these weights; nothing if their shapes do not fit or a number is not finite.
     pub fn new(layers: Vec<DMatrix<f64>>, output: DMatrix<f64>, bias: DMatrix<f64>) -> Option<GraphNet> {
         let chain = layers.windows(2).all(|pair| pair[0].ncols() == pair[1].nrows());
         let ends = layers.len() == GRAPH_LAYERS
@@ -146,7 +146,7 @@ impl GraphNet {
         mean
     }
 
-    /// All of a pass.
+    /// Runs the net and keeps all intermediate values.
     pub fn pass(&self, graph: &WorkGraph, now: &Joints, goal: &Joints) -> NetPass {
         let mut h = graph.features(now, goal);
         let (mut means, mut hidden) = (Vec::new(), Vec::new());
@@ -169,8 +169,8 @@ impl GraphNet {
         std::array::from_fn(|k| now[k] + step[k] * share)
     }
 
-    /// A way that grows from both ends by the net's steps, at most so many from each, until the straight line between
-    /// both is free. A step that is not free ends its branch. The way is checked as a whole.
+    /// A path that grows from both ends by the net's steps, up to a number of steps from each, until the straight line
+    /// between both is free. A step that is not free ends its branch. The path is checked as a whole.
     pub fn plan(
         &self,
         space: &ArmSpace,
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// A net without layers that matter: its step is its bias.
+    /// A net with zero layers: its step is its bias.
     fn constant(step: Joints) -> GraphNet {
         let layers = (0..GRAPH_LAYERS).map(|_| DMatrix::zeros(6, 6)).collect();
         GraphNet::new(layers, DMatrix::zeros(6, 6), DMatrix::from_row_slice(1, 6, &step)).expect("it fits")

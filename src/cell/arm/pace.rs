@@ -1,7 +1,7 @@
-//! How an arm follows a way: as fast as its limits let it, slowly round corners, and never so fast that it could not
+//! How an arm follows a path: as fast as its limits allow, slowly around corners, and never so fast that it could not
 //! stand well before the end of the second that it is given.
 //!
-//! Main types: [`WayRun`], [`RunAhead`]. Refuses: to leave the way.
+//! Main types: [`WayRun`], [`RunAhead`]. Refuses: to leave the path.
 
 use super::kinematics::{ArmKind, Joints, joint_distance};
 use super::mpc::{ArmPlan, CYCLE_S, HORIZON};
@@ -9,21 +9,21 @@ use super::space::ArmWay;
 
 /// Share of the arm's limits that is used.
 const USED: f64 = 0.9;
-/// Speeds change every so many seconds.
+/// Interval at which speeds change, seconds.
 const TICK_S: f64 = 0.02;
 const TICKS: usize = 5;
-/// An arm that gets nothing newer stands from this step of its second on.
+/// Step of its second from which an arm stands if nothing newer arrives.
 pub const STANDS_BY: usize = 6;
 
-/// An arm on its way.
+/// An arm on its path.
 #[derive(Clone, Debug)]
 pub struct WayRun {
     way: ArmWay,
-    /// Where each piece of the way ends, radians from its beginning, with its greatest speed and acceleration.
+    /// The pieces of the path: where each ends, radians from its beginning, and its greatest speed and acceleration.
     pieces: Vec<WayPiece>,
-    /// How far it has come, radians.
+    /// How far the arm has come, radians.
     along: f64,
-    /// How fast it is, rad/s; less than 0 backwards.
+    /// Speed of the arm along the path, rad/s; negative backwards.
     speed: f64,
 }
 
@@ -32,28 +32,28 @@ struct WayPiece {
     ends: f64,
     speed: f64,
     acceleration: f64,
-    /// Round the corner at its end.
+    /// Greatest speed around the corner at the end of the piece, rad/s.
     corner: f64,
 }
 
 /// The next second of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct RunAhead {
-    /// The configurations.
+    /// The trajectory of that second.
     pub plan: ArmPlan,
     along: f64,
     speed: f64,
 }
 
 impl RunAhead {
-    /// The steps until the arm could stand.
+    /// The configurations until the arm could stand.
     pub fn soon(&self) -> &[Joints] {
         &self.plan.steps[..STANDS_BY]
     }
 }
 
 impl WayRun {
-    /// An arm that stands at the beginning of a way.
+    /// A run of an arm that stands at the beginning of a path.
     pub fn new(kind: &ArmKind, way: ArmWay) -> WayRun {
         let all = way.configurations();
         let direction = |pair: &[Joints]| -> Joints {
@@ -78,17 +78,17 @@ impl WayRun {
         WayRun { way, pieces, along: 0.0, speed: 0.0 }
     }
 
-    /// Whether it stands at the end.
+    /// Whether the arm stands at the end of the path.
     pub fn is_over(&self) -> bool {
         self.speed.abs() < 1e-3 && self.along >= self.way.length_rad() - 1e-3
     }
 
-    /// Whether it stands.
+    /// Whether the arm stands.
     pub fn stands(&self) -> bool {
         self.speed.abs() < 1e-3
     }
 
-    /// The configuration so many radians farther along.
+    /// The configuration `rad` radians farther along the path.
     pub fn farther(&self, rad: f64) -> Joints {
         self.way.at_rad((self.along + rad).min(self.way.length_rad()))
     }
@@ -118,7 +118,7 @@ impl WayRun {
         RunAhead { plan: ArmPlan { steps }, along: first.0, speed: first.1 }
     }
 
-    /// The arm does this.
+    /// Records that the arm moves by the first step of this second.
     pub fn take(&mut self, ahead: &RunAhead) {
         (self.along, self.speed) = (ahead.along, ahead.speed);
     }
@@ -167,7 +167,7 @@ mod tests {
         WayRun::new(&kind, space.check(vec![A, b, c]).expect("nothing is in the way"))
     }
 
-    /// Follows a run; the configurations at its cycles.
+    /// Follows a run; gives the configurations at its cycles.
     fn followed(run: &mut WayRun, wanted: f64, cycles: usize) -> Vec<Joints> {
         let step = |_| {
             let ahead = run.ahead(wanted);

@@ -1,7 +1,7 @@
 //! Quadratic programs: least squares with linear bounds, solved by the interior-point solver Clarabel.
 //!
-//! Main type: [`QuadraticProgram`]. The solver is pure Rust and deterministic; no time limit is set, so that it ends
-//! by counted iterations alone and the clock that it reads for its statistics decides nothing. Refuses: answers that
+//! Main type: [`QuadraticProgram`]. The solver is pure Rust and deterministic; no time limit is set, so that the number
+//! of iterations alone ends it and the clock that it reads for its statistics decides nothing. Refuses: answers that
 //! did not converge.
 
 use clarabel::algebra::CscMatrix;
@@ -10,20 +10,20 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 /// Most iterations of the interior-point method.
 const ITERATIONS: u32 = 60;
 
-/// Minimise ½ xᵀPx + qᵀx so that each bound holds.
+/// A program: minimise ½ xᵀPx + qᵀx so that each bound holds.
 #[derive(Clone, Debug)]
 pub(super) struct QuadraticProgram {
     variables: usize,
-    /// P, dense and symmetric, row by row; the upper triangle counts.
+    /// P, dense and symmetric, row by row; only the upper triangle is used.
     square: Vec<f64>,
     linear: Vec<f64>,
-    /// Row, column, coefficient of A in Ax ≤ b.
+    /// Rows, columns and coefficients of A in Ax ≤ b.
     entries: (Vec<usize>, Vec<usize>, Vec<f64>),
     limits: Vec<f64>,
 }
 
 impl QuadraticProgram {
-    /// Without costs and bounds.
+    /// A program without costs and bounds.
     pub fn new(variables: usize) -> QuadraticProgram {
         QuadraticProgram {
             variables,

@@ -1,18 +1,19 @@
 //! How probably an arm and a person's limbs overlap: as published, and from the distance of capsules and its spread.
 //!
-//! Main types: [`UncertainLimbs`], [`UncertainPoint`], [`LimbBone`]. Refuses: chance; its places are the same each
-//! time.
+//! Main types: [`UncertainLimbs`], [`UncertainPoint`], [`LimbBone`]. Refuses: chance; its sample points are always the
+//! same.
 //!
-//! Published is Liu and Jebelli 2023 (equations 8 to 16, algorithm 1), with a list of bones instead of consecutive
-//! joints and the covariance turned to the bone. Both ellipsoids are independent, so that equation 16 is the sum of
-//! both covariances and needs no samples. What is printed has a peak far below one: 9 % for two limbs of equal length.
+//! The published form is Liu and Jebelli 2023 (equations 8 to 16, algorithm 1), here with a list of bones instead of
+//! consecutive joints and with the covariance turned to the bone. Both ellipsoids are independent, so that equation 16
+//! is the sum of both covariances and needs no samples. The printed form peaks far below one: 9 % for two limbs of
+//! equal length.
 
 use super::capsule::{Capsule, Nearest};
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 use std::sync::LazyLock;
 
-/// A point of a person's body as it is believed.
+/// The estimate of a point of a person's body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UncertainPoint {
     /// Mean, map frame, metres.
@@ -24,28 +25,28 @@ pub struct UncertainPoint {
 /// A limb between two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimbBone {
-    /// Number of the point where it begins.
+    /// Number of the point where the limb begins.
     pub from: usize,
-    /// Number of the point where it ends.
+    /// Number of the point where the limb ends.
     pub to: usize,
     /// Radius, metres.
     pub radius_m: f64,
 }
 
-/// A person's limbs at one instant, as they are believed.
+/// The estimate of a person's limbs at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UncertainLimbs {
-    /// Joints; at most [`MOST_POINTS`], others are not looked at.
+    /// Joints; only the first [`MOST_POINTS`] are used.
     pub points: Vec<UncertainPoint>,
-    /// Limbs between them; those with unknown points are not looked at.
+    /// Limbs between the points; limbs with unknown points are ignored.
     pub bones: Vec<LimbBone>,
 }
 
-/// So many points of a body are looked at.
+/// Number of points of a body that are used.
 pub const MOST_POINTS: usize = 8;
 
 impl UncertainLimbs {
-    /// The limbs at their means, each `margin_m` thicker than it is.
+    /// The limbs at their means, each thickened by `margin_m`.
     pub fn capsules(&self, margin_m: f64) -> Vec<Capsule> {
         let known = self.known_bones();
         let capsule = |bone: &LimbBone| Capsule {
@@ -56,7 +57,7 @@ impl UncertainLimbs {
         known.map(capsule).collect()
     }
 
-    /// The limbs at their means, each thicker by so many deviations of its less certain end.
+    /// The limbs at their means, each thickened by `deviations` times the standard deviation of its less certain end.
     pub fn thickened(&self, deviations: f64) -> Vec<Capsule> {
         let spread = |k: usize| (self.points[k].cov.trace().max(0.0) / 3.0).sqrt();
         let capsule = |bone: &LimbBone| Capsule {
@@ -84,14 +85,14 @@ fn half_length(c: &Capsule) -> f64 {
 }
 
 /// The covariance of a limb's ellipsoid with semi-axes ℓ, ℓ/2, ℓ/2, ℓ along the bone: R·diag(ℓ², ℓ²/4, ℓ²/4)·Rᵀ. It
-/// needs no rotation: it is ℓ²/4 (1 + 3 u uᵀ) with the bone's direction u.
+/// needs no rotation, since it equals ℓ²/4 (1 + 3 u uᵀ) with the bone's direction u.
 pub fn bone_covariance(limb: &Capsule) -> Matrix3<f64> {
     let half = half_length(limb);
     let u = (limb.b - limb.a) / (2.0 * half).max(1e-9);
     (Matrix3::identity() + u * u.transpose() * 3.0) * (half * half / 4.0).max(1e-9)
 }
 
-/// Equation 15 of one link and one limb: volume times density, and its share of the peak.
+/// Equation 15 for one link and one limb: volume times density, and its share of the peak.
 fn equation_15(link: &Capsule, limb: &Capsule) -> (f64, f64) {
     let cov = bone_covariance(link) + bone_covariance(limb);
     let half = half_length(link);
@@ -103,12 +104,12 @@ fn equation_15(link: &Capsule, limb: &Capsule) -> (f64, f64) {
     ((peak * share).min(1.0), share)
 }
 
-/// Equation 15 as printed, clamped to one: the greatest of all pairs (algorithm 1).
+/// Equation 15 as printed, clamped to one: the greatest over all pairs (algorithm 1).
 pub fn printed_probability(links: &[Capsule], limbs: &[Capsule]) -> f64 {
     pairs(links, limbs).map(|(link, limb)| equation_15(link, limb).0).fold(0.0, f64::max)
 }
 
-/// The same, normalised by its peak: one where both middles are at one place.
+/// Equation 15 normalised by its peak, greatest over all pairs: one where both middles coincide.
 pub fn normalised_probability(links: &[Capsule], limbs: &[Capsule]) -> f64 {
     pairs(links, limbs).map(|(link, limb)| equation_15(link, limb).1).fold(0.0, f64::max)
 }
@@ -117,14 +118,14 @@ fn pairs<'a>(links: &'a [Capsule], limbs: &'a [Capsule]) -> impl Iterator<Item =
     links.iter().flat_map(move |link| limbs.iter().map(move |limb| (link, limb)))
 }
 
-/// Lines along which the distance is followed, and their mirror images.
+/// Number of lines along which the distance is followed, counting their mirror images.
 const LINES: usize = 32;
 /// Dimensions of the space of errors.
 const SPACE: usize = 3 * MOST_POINTS;
-/// So many deviations are looked at.
+/// Number of standard deviations that are examined.
 const FAR: f64 = 4.5;
 
-/// Fixed normal numbers: through which errors the lines go.
+/// Fixed normal numbers: the errors through which the lines go.
 static THROUGH: LazyLock<[[f64; SPACE]; LINES]> = LazyLock::new(|| {
     let unit = |n: u64| {
         let mut x = n.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -142,18 +143,18 @@ static THROUGH: LazyLock<[[f64; SPACE]; LINES]> = LazyLock::new(|| {
 
 /// The probability that any link overlaps any limb: P(distance < 0) with the limbs' points independent and normal.
 ///
-/// To first order it is Φ(−d/σ), d the least distance of capsules and σ its deviation along the closest direction. The
-/// distance bends, though, and several limbs may be near; therefore it is followed along parallel lines in the space
-/// of errors ("line sampling", Koutsourelakis et al. 2004): each lies along the direction in which the distance
-/// changes fastest and goes through a fixed error; the normal measure of where the distance is negative is exact on
-/// each line.
+/// To first order it is Φ(−d/σ), with d the least distance of capsules and σ its standard deviation along the closest
+/// direction. The distance bends, though, and several limbs may be near; therefore it is followed along parallel lines
+/// in the space of errors ("line sampling", Koutsourelakis et al. 2004): each lies along the direction in which the
+/// distance changes fastest and goes through a fixed error; the normal measure of the part with negative distance is
+/// exact on each line.
 pub fn overlap_probability(links: &[Capsule], limbs: &UncertainLimbs) -> f64 {
     let Some(space) = ErrorSpace::new(links, limbs) else { return 0.0 };
     let (least, direction, sigma) = space.steepest();
     if sigma < 1e-5 {
         return if least < 0.0 { 1.0 } else { 0.0 };
     }
-    // Nothing moves farther than its largest deviation lets it.
+    // Nothing moves farther than FAR times its largest standard deviation.
     if least > FAR * space.largest {
         return 0.0;
     }
@@ -166,14 +167,14 @@ pub fn overlap_probability(links: &[Capsule], limbs: &UncertainLimbs) -> f64 {
     lines.map(share).sum::<f64>() / (2 * LINES) as f64
 }
 
-/// The first-order form Φ(−d/σ) of the closest pair: what [`overlap_probability`] is where nothing bends.
+/// The first-order form Φ(−d/σ) for the closest pair: the value of [`overlap_probability`] where nothing bends.
 pub fn first_order_probability(links: &[Capsule], limbs: &UncertainLimbs) -> f64 {
     let Some(space) = ErrorSpace::new(links, limbs) else { return 0.0 };
     let (least, _, sigma) = space.steepest();
     normal_below(-least / sigma.max(1e-9))
 }
 
-/// Errors of a body's points in units of their deviations.
+/// Errors of a body's points in units of their standard deviations.
 struct ErrorSpace<'a> {
     links: &'a [Capsule],
     limbs: &'a UncertainLimbs,
@@ -182,7 +183,7 @@ struct ErrorSpace<'a> {
 }
 
 impl<'a> ErrorSpace<'a> {
-    /// Nothing where there are no links or no limbs.
+    /// The space of these links and limbs; nothing where there are no links or no limbs.
     fn new(links: &'a [Capsule], limbs: &'a UncertainLimbs) -> Option<ErrorSpace<'a>> {
         if links.is_empty() || limbs.known_bones().next().is_none() {
             return None;
@@ -216,8 +217,8 @@ impl<'a> ErrorSpace<'a> {
         least
     }
 
-    /// The least distance without errors, the direction of errors in which it changes fastest, of length one, and how
-    /// fast: the deviation of the distance.
+    /// The least distance without errors, the unit direction of errors in which it changes fastest, and how fast: the
+    /// standard deviation of the distance.
     fn steepest(&self) -> (f64, [f64; SPACE], f64) {
         let none = [0.0; SPACE];
         let mut best: Option<(f64, &LimbBone, Nearest)> = None;
@@ -244,7 +245,7 @@ impl<'a> ErrorSpace<'a> {
         (least, direction, sigma)
     }
 
-    /// The normal measure of a line's part with negative distance.
+    /// The normal measure of the part of a line with negative distance.
     fn share_of_line(&self, foot: &[f64; SPACE], direction: &[f64; SPACE]) -> f64 {
         const STEP: f64 = 0.15;
         // A point of a limb moves no faster along the line than its faster end.
@@ -261,7 +262,7 @@ impl<'a> ErrorSpace<'a> {
         while c < FAR {
             let next = (c + (here.abs() / fastest).max(STEP)).min(FAR);
             let there = at(next);
-            // Between two places of different sign the distance is taken as straight.
+            // Between two points of different sign the distance is taken as linear.
             let root = c + (next - c) * here / (here - there);
             share += match (here < 0.0, there < 0.0) {
                 (true, true) => normal_below(next) - normal_below(c),
@@ -310,7 +311,7 @@ mod tests {
 
     #[test]
     fn an_overlap_is_as_probable_as_the_distance_is_spread() {
-        // A long link across a limb: nothing bends, and it is Φ(−d/σ).
+        // A long link across a limb: nothing bends, and the probability is Φ(−d/σ).
         let link = [capsule([0.0, -2.0, 0.0], [0.0, 2.0, 0.0], 0.05)];
         for (height, expected) in [(0.1, 0.5), (0.2, 0.022_75), (0.0, 0.954_5)] {
             let limbs = limb([-2.0, 0.0, height], [2.0, 0.0, height], 0.05 * 2f64.sqrt());
@@ -321,7 +322,7 @@ mod tests {
 
     #[test]
     fn a_point_and_a_ball_are_as_the_integral_says() {
-        // A ball of 0.1 m round the mean of a point with 0.1 m: chi with three degrees of freedom, P(r < 1) = 0.1987.
+        // A ball of 0.1 m around the mean of a point with 0.1 m: chi with three degrees of freedom, P(r < 1) = 0.1987.
         let ball = [capsule([0.0; 3], [0.0; 3], 0.05)];
         let cov = Matrix3::identity() * 0.01;
         let point = |x: f64| UncertainPoint { mean: Point3::new(x, 0.0, 0.0), cov };

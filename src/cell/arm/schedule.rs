@@ -1,13 +1,14 @@
-//! Which targets are open to the arm while a person reaches for one (Lyu et al. 2022, table II), as printed and
+//! Which targets are open to the arm while a person reaches for one (Lyu et al. 2022, table II), as printed and as
 //! derived.
 //!
-//! Main types: [`TargetTable`]. Refuses: tables with targets that there are not.
+//! Main types: [`TargetTable`]. Refuses: tables that name unknown targets.
 //!
-//! Derived means: a target is out while the way to it meets the person's forecast arm with more than a threshold.
+//! Derived means that a target is closed while the path to it meets the person's forecast arm with more than a
+//! threshold probability.
 
 use std::collections::BTreeMap;
 
-/// For each of the person's targets those that the arm may go to; targets count from 0.
+/// For each of the person's targets, the targets that the arm may go to; targets count from 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TargetTable {
     allowed: Vec<Vec<bool>>,
@@ -16,19 +17,19 @@ pub struct TargetTable {
 /// Why a table is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TargetTableError {
-    /// The text is no table.
+    /// The text is not a table.
     #[error("the table of targets cannot be read: {0}")]
     Unreadable(String),
-    /// A target that there is not, or one without a line; numbered from 1 as in the text.
+    /// An unknown target, or a target without a line; numbered from 1 as in the text.
     #[error("the table of targets has no line for target {0}, or names it though there are fewer")]
     Target(usize),
 }
 
 impl TargetTable {
-    /// A table from JSON: by the person's target, numbered from 1, the list of the arm's.
+    /// Reads a table from JSON: for each of the person's targets, numbered from 1, the list of the arm's.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The first fault in the table.
     pub fn parse(text: &str) -> Result<TargetTable, TargetTableError> {
         let lines: BTreeMap<usize, Vec<usize>> =
             serde_json::from_str(text).map_err(|e| TargetTableError::Unreadable(e.to_string()))?;
@@ -53,25 +54,25 @@ impl TargetTable {
         TargetTable::parse(include_str!("table_2.json")).expect("a test reads the built-in table")
     }
 
-    /// Derived for so many targets: `meets(person, arm)` is the probability that the way to the arm's target meets the
-    /// arm of a person who reaches for theirs.
+    /// A table derived for `count` targets: `meets(person, arm)` is the probability that the path to the arm's target
+    /// meets the arm of a person reaching for the person's target.
     pub fn derived(count: usize, delta: f64, mut meets: impl FnMut(usize, usize) -> f64) -> TargetTable {
         let mut line = |person: usize| (0..count).map(|arm| meets(person, arm) <= delta).collect();
         TargetTable { allowed: (0..count).map(&mut line).collect() }
     }
 
-    /// Whether the arm may go to its target while the person goes to theirs; unknown targets are out.
+    /// Whether the arm may go to its target while the person goes to theirs; unknown targets are closed.
     pub fn allows(&self, person: usize, arm: usize) -> bool {
         self.allowed.get(person).and_then(|line| line.get(arm)).copied().unwrap_or(false)
     }
 
-    /// The probability that the arm's target is out, by how probable each of the person's targets is.
+    /// The probability that the arm's target is closed, given the probability of each of the person's targets.
     pub fn out(&self, person: &[f64], arm: usize) -> f64 {
         let out = person.iter().enumerate().filter(|(k, _)| !self.allows(*k, arm));
         out.map(|(_, p)| p).sum()
     }
 
-    /// The share of pairs of targets in which both tables agree.
+    /// The share of pairs of targets on which both tables agree.
     pub fn agreement(&self, other: &TargetTable) -> f64 {
         let count = self.allowed.len().max(other.allowed.len());
         let pairs = (0..count).flat_map(|p| (0..count).map(move |a| (p, a)));
@@ -79,7 +80,7 @@ impl TargetTable {
         same as f64 / (count * count).max(1) as f64
     }
 
-    /// The first target at or behind `next`, in a circle, that is out with at most `delta`.
+    /// The first target at or after `next`, cyclically, that is closed with a probability of at most `delta`.
     pub fn next(&self, person: &[f64], next: usize, delta: f64) -> Option<usize> {
         let count = self.allowed.len();
         let circle = (0..count).map(|k| (next + k) % count.max(1));

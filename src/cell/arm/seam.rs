@@ -1,30 +1,29 @@
-//! Between the cell and an arm, simulated or real: reports come in, trajectories of at most a second go out.
+//! The seam between the cell and an arm, simulated or real: reports come in, trajectories of at most a second go out.
 //!
 //! Main types: [`ArmSeam`], [`ArmReport`], [`ArmTrajectory`], [`ArmTrouble`]. Refuses: trajectories to an arm that is
-//! silent, late, or reports joints that it cannot have. The arm stands at a trajectory's end unless something newer
-//! came.
+//! silent, late, or reports impossible joints. The arm stands at a trajectory's end unless a newer one came.
 
 use super::kinematics::{ArmKind, Joints};
 use super::mpc::{ArmPlan, CYCLE_S, HORIZON};
 use giveway_floor::time::{Span, Time};
 
-/// An arm that said nothing for so long is silent.
+/// Time without a report after which an arm is silent.
 pub const SILENT_AFTER: Span = Span(300_000);
-/// A report that is older than this when it comes is late.
+/// Age of a report on arrival beyond which it is late.
 pub const LATE_AFTER: Span = Span(200_000);
-/// So long an arm must report well before it gets trajectories again.
+/// Time for which an arm must report well before it gets trajectories again.
 pub const WELL_AFTER: Span = Span(1_000_000);
-/// A trajectory is no longer than this.
+/// Longest duration of a trajectory.
 pub const LONGEST_TRAJECTORY: Span = Span(1_000_000);
 
-/// What an arm says of itself.
+/// A report of an arm about itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmReport {
-    /// Its angles, radians.
+    /// Joint angles, radians.
     pub joints: Joints,
-    /// When they were so.
+    /// When the angles were measured.
     pub seen: Time,
-    /// Its own protective stop holds it.
+    /// Whether the arm's own protective stop holds it.
     pub is_stopped: bool,
 }
 
@@ -34,28 +33,28 @@ pub enum ArmTrouble {
     /// No report for a while, or none ever.
     #[error("the arm is silent")]
     Silent,
-    /// Its reports are old when they come.
+    /// Its reports are too old on arrival.
     #[error("the arm's reports are late")]
     Late,
-    /// Angles that are no numbers or beyond its limits.
+    /// Angles that are not finite or are beyond the arm's limits.
     #[error("the arm reports joints that it cannot have")]
     Joints,
-    /// Angles that it cannot have come to in the time.
+    /// Angles that the arm cannot have reached in the time.
     #[error("the arm reports joints that it cannot have come to")]
     Jump,
-    /// Its own stop holds it.
+    /// The arm's own stop holds it.
     #[error("the arm's protective stop holds it")]
     Stopped,
 }
 
-/// What an arm is to follow.
+/// What an arm should follow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmTrajectory {
-    /// Later ones replace earlier ones.
+    /// Number of the trajectory: later ones replace earlier ones.
     pub number: u64,
-    /// When it begins.
+    /// When the trajectory begins.
     pub begins: Time,
-    /// Interval of its configurations.
+    /// Interval between the configurations.
     pub step: Span,
     /// The configurations, the first one an interval after the beginning; at the last one the arm stands.
     pub steps: Vec<Joints>,
@@ -71,15 +70,15 @@ pub struct ArmSeam {
 }
 
 impl ArmSeam {
-    /// Nothing was heard of it yet.
+    /// The seam of an arm that has not reported yet.
     pub fn new(kind: ArmKind) -> ArmSeam {
         ArmSeam { kind, last: None, trouble: None, sent: 0 }
     }
 
-    /// Takes a report. One that is older than the last one is left out.
+    /// Takes a report. A report older than the last one is dropped.
     ///
     /// # Errors
-    /// What is wrong with it; the arm gets no trajectory until its reports were well for [`WELL_AFTER`].
+    /// What is wrong with the report; the arm gets no trajectory until its reports were well for [`WELL_AFTER`].
     pub fn take(&mut self, now: Time, report: ArmReport) -> Result<(), ArmTrouble> {
         let found = self.wrong_with(now, &report);
         if let Some(trouble) = found {
@@ -99,7 +98,7 @@ impl ArmSeam {
         if now - report.seen > LATE_AFTER {
             return Some(ArmTrouble::Late);
         }
-        // Half as fast again as it may be, and a degree for noise.
+        // Half as fast again as the limit, and a degree for noise.
         let last = self.last.filter(|last| report.seen > last.seen)?;
         let passed_s = (report.seen - last.seen).as_secs_f64();
         let jumps = |k: usize| {
@@ -108,7 +107,7 @@ impl ArmSeam {
         (passed_s < 1.0 && (0..6).any(jumps)).then_some(ArmTrouble::Jump)
     }
 
-    /// Why it would get no trajectory now.
+    /// Why the arm would get no trajectory now.
     pub fn trouble(&self, now: Time) -> Option<ArmTrouble> {
         let Some(last) = self.last else {
             return Some(self.trouble.map_or(ArmTrouble::Silent, |(trouble, _)| trouble));
@@ -122,13 +121,13 @@ impl ArmSeam {
         last.is_stopped.then_some(ArmTrouble::Stopped)
     }
 
-    /// The arm's angles, as it said last.
+    /// The joint angles of the last report.
     pub fn joints(&self) -> Option<&Joints> {
         self.last.as_ref().map(|last| &last.joints)
     }
 
-    /// The trajectory of a plan that leads away from a person, for an arm that its own stop holds or does not hold. It
-    /// decides itself whether it takes it.
+    /// The trajectory of a plan that leads away from a person, whether or not the arm's own stop holds it; the arm
+    /// itself decides whether to follow it.
     ///
     /// # Errors
     /// Why the arm gets none.

@@ -1,8 +1,8 @@
 //! Where the picker's arms are and will be, for the robot arm beside: from head and hands as a headset sees them.
 //!
-//! Main types: [`PickerSight`] (what was seen of late), [`PickerAhead`] (limbs at the steps of a trajectory). Shoulders
-//! and elbows follow from head and hands; what comes within 0.4 s is forecast by the learned model, and what comes
-//! after it stays where it was and becomes less certain. Refuses: to know what the picker is about to do otherwise.
+//! Main types: [`PickerSight`] (recent observations), [`PickerAhead`] (limbs at the steps of a trajectory). Shoulders
+//! and elbows follow from head and hands; the next 0.4 s are forecast by the learned model, and beyond that the last
+//! forecast stays in place and becomes less certain. Refuses: to know the picker's intentions otherwise.
 
 use super::capsule::Capsule;
 use super::mpc::{CYCLE_S, HORIZON};
@@ -16,13 +16,13 @@ use giveway_people::reach::{ArmPoint, ArmSample, PickModel};
 use nalgebra::Matrix3;
 use std::collections::VecDeque;
 
-/// Observations that are kept: half a second at 90 Hz.
+/// Number of observations kept: half a second at 90 Hz.
 const KEPT: usize = 45;
-/// Hands that were not seen for so long are not known of.
+/// Time after which an unseen hand is unknown.
 const STALE: Span = Span::from_secs(1);
-/// Places of hands are measured with this deviation, metres.
+/// Standard deviation of measured hand positions, metres.
 const MEASURED_M: f64 = 0.012;
-/// A hand that was not seen for a second, or is farther ahead than forecasts reach, may be elsewhere by so much.
+/// Growth of the standard deviation for a hand that is unseen for 0.1 s or lies beyond the forecast, metres per second.
 const DRIFTS_MPS: f64 = 0.12;
 /// Radii of upper arm, lower arm and hand, of head and trunk, metres.
 const UPPER_M: f64 = 0.055;
@@ -30,12 +30,12 @@ const LOWER_M: f64 = 0.045;
 const HAND_M: f64 = 0.045;
 const HEAD_M: f64 = 0.14;
 const TRUNK_M: f64 = 0.19;
-/// The 95 % region of a direction in space is so many deviations wide.
+/// Width of the 95 % region of a direction in space, in standard deviations.
 const REGION: f64 = 2.8;
-/// From wrist to palm, metres.
+/// Distance from wrist to palm, metres.
 const PALM_M: f64 = 0.08;
 
-/// What was seen of a picker of late.
+/// Recent observations of a picker.
 #[derive(Clone, Debug, Default)]
 pub struct PickerSight {
     seen: VecDeque<HandsSeen>,
@@ -51,11 +51,11 @@ pub struct PickerAhead {
     pub arms: Vec<UncertainLimbs>,
 }
 
-/// Shoulder, elbow, palm and finger tip of one arm with their deviations, in the frame of the opening.
+/// Shoulder, elbow, palm and finger tip of one arm with their standard deviations in metres, in the opening's frame.
 type ArmBelief = [(ArmPoint, f64); 4];
 
 impl PickerSight {
-    /// Takes in what was seen. What comes out of order is left out; another person is looked at anew.
+    /// Adds an observation. Observations out of order are dropped; a new person starts afresh.
     pub fn see(&mut self, seen: &HandsSeen) {
         if self.seen.back().is_some_and(|last| last.seen >= seen.seen) {
             return;
@@ -80,7 +80,7 @@ impl PickerSight {
         self.seen.back().is_some_and(|last| now - last.seen < STALE)
     }
 
-    /// Where the picker's limbs are as far as they were seen, or will be by a model; nothing of a picker who has not
+    /// Where the picker's limbs are as far as they were seen, or will be by a model; nothing for a picker who has not
     /// been seen for a second.
     pub fn ahead(&self, face: &PickFace, now: Time, model: Option<&PickModel>) -> Option<PickerAhead> {
         let last = self.seen.back().filter(|last| now - last.seen < STALE)?;
@@ -167,7 +167,7 @@ fn belief(arm: &SeenArm, estimate: &ArmEstimate, ago_s: f64) -> ArmBelief {
     ]
 }
 
-/// The last samples, as far apart as the model has learned them.
+/// The last samples, resampled to the interval that the model has learned.
 fn spaced(samples: &[ArmSample]) -> Vec<ArmSample> {
     let Some(last) = samples.last() else { return Vec::new() };
     let mut all = Vec::with_capacity(ARM_STEPS);

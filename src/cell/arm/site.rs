@@ -1,7 +1,7 @@
-//! A robot arm at its station: what it must not touch, and with which angles it is at slots, at totes, and at rest.
+//! A robot arm at its station: its obstacles, and its angles at slots, at totes, and at rest.
 //!
-//! Main types: [`ArmSite`], [`SlotAccess`]. Angles are searched for once for each slot and tote, when they are asked
-//! for. Refuses: slots and totes that the arm cannot reach without touching anything.
+//! Main types: [`ArmSite`], [`SlotAccess`]. The angles for a slot or tote are searched for once, on first request.
+//! Refuses: slots and totes that the arm cannot reach without touching anything.
 
 use super::capsule::{Capsule, least_distance_m};
 use super::kinematics::{ArmKind, Joints};
@@ -14,33 +14,33 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-/// The tool's tip waits so far in front of a slot, and goes so far into it, metres.
+/// How far before a slot the tool's tip waits, and how far into the slot it goes, metres.
 const BEFORE_M: f64 = 0.06;
 const INTO_M: f64 = 0.1;
 /// The tool enters a slot from the arm's side by at most one of these angles, radians.
 const ASLANT_RAD: [f64; 2] = [0.6, 0.3];
-/// It lets go so far above a tote's rim, metres.
+/// Height above a tote's rim at which the tool lets go, metres.
 const ABOVE_M: f64 = 0.08;
-/// Boards and posts of a rack are as thick as this, and so far behind its face, metres.
+/// Radius of boards and posts of a rack, and their depth behind its face, metres.
 const BOARD_M: f64 = 0.015;
 const BEHIND_M: f64 = 0.03;
-/// A tote's walls are so far from its middle, and end so far below its rim, metres.
+/// Distance of a tote's walls from its middle, and of their top below its rim, metres.
 const TOTE_M: f64 = 0.12;
 const BELOW_RIM_M: f64 = 0.15;
-/// A picker's trunk is about so far from the opening, metres.
+/// Approximate distance of a picker's trunk from the opening, metres.
 const PICKER_M: f64 = 0.43;
-/// Where the arm rests: folded, with the tool down before its base.
+/// Angles of the resting arm: folded, with the tool down before its base.
 const REST: Joints = [0.0, -2.6, 2.6, -FRAC_PI_2, -FRAC_PI_2, 0.0];
-/// Sampled angles.
+/// Bounds of the sampled angles, radians.
 const LOW_RAD: Joints = [-PI, -2.8, -2.7, -4.0, -2.8, -1.0];
 const HIGH_RAD: Joints = [PI, 0.0, 2.7, 1.5, 2.8, 1.0];
 
-/// With which angles an arm is at a slot.
+/// The angles of an arm at a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlotAccess {
-    /// In front of it.
+    /// Angles with the tool in front of the slot.
     pub before: Joints,
-    /// At the piece.
+    /// Angles with the tool at the piece.
     pub inside: Joints,
 }
 
@@ -49,20 +49,20 @@ pub struct SlotAccess {
 pub struct ArmSite {
     /// The control that evades people.
     pub control: ArmControl,
-    /// What it must not touch, people left out.
+    /// The obstacles of the arm, people left out.
     pub space: ArmSpace,
     face: Arc<PickFace>,
     slots: BTreeMap<SlotName, Option<SlotAccess>>,
     totes: BTreeMap<usize, Option<Joints>>,
 }
 
-/// Where an arm's base is, so that the stretched arm faces the mount's heading.
+/// The pose of an arm's base: the stretched arm faces the mount's heading.
 pub fn base_of(mount: &ArmMount) -> Isometry3<f64> {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), mount.heading + PI);
     Isometry3::from_parts(Translation3::from(mount.base.coords), turn)
 }
 
-/// The angles with which an arm rests.
+/// The angles of a resting arm.
 pub fn rest() -> Joints {
     REST
 }
@@ -83,7 +83,7 @@ impl ArmSite {
         ArmSite { control, space, face, slots: BTreeMap::new(), totes: BTreeMap::new() }
     }
 
-    /// The same place with nothing kept beyond surfaces: for an arm that came nearer than it would go.
+    /// The arm's space without any margin beyond surfaces: for an arm that is nearer than it would go.
     pub fn tight(&self) -> ArmSpace {
         let mut space = self.space.clone();
         space.obstacles.iter_mut().for_each(|o| o.radius_m = (o.radius_m - CHECK_MARGIN_M).max(-0.02));
@@ -95,7 +95,7 @@ impl ArmSite {
         &self.face
     }
 
-    /// With which angles the arm is at a slot; nothing where it does not reach.
+    /// The angles of the arm at a slot; nothing where it does not reach.
     pub fn slot(&mut self, slot: SlotName) -> Option<SlotAccess> {
         if let Some(known) = self.slots.get(&slot) {
             return *known;
@@ -105,7 +105,7 @@ impl ArmSite {
         found
     }
 
-    /// With which angles the arm is above a tote; nothing where it does not reach.
+    /// The angles of the arm above a tote; nothing where it does not reach.
     pub fn tote(&mut self, tote: usize) -> Option<Joints> {
         if let Some(known) = self.totes.get(&tote) {
             return *known;
@@ -117,7 +117,7 @@ impl ArmSite {
         found
     }
 
-    /// Whether it is known already whether the arm reaches slot and tote.
+    /// Whether slot and tote have been searched already.
     pub fn knows(&self, slot: SlotName, tote: usize) -> bool {
         let out_of_reach = self.totes.get(&tote).is_some_and(Option::is_none);
         out_of_reach || self.totes.contains_key(&tote) && self.slots.contains_key(&slot)
@@ -153,7 +153,7 @@ impl ArmSite {
         ASLANT_RAD.into_iter().find_map(access)
     }
 
-    /// Whether there is room for a picker who stands where pickers stand.
+    /// Whether there is room for a picker at the usual picking position.
     fn is_clear_of_picker(&self, joints: &Joints) -> bool {
         let at = |z: f64| self.face.on_map(FacePlace::new(0.0, self.face.opening_m() + PICKER_M, z));
         let trunk = Capsule { a: at(0.8), b: at(1.6), radius_m: 0.3 };
@@ -161,8 +161,8 @@ impl ArmSite {
         least_distance_m(&links, &[trunk]) > 0.0
     }
 
-    /// What comes of the first free angles with which the tool is at a place, and of which something comes. `sum` is
-    /// what the angles that pitch the tool add up to there.
+    /// The result of `comes` for the first free angles with the tool at a place that give one. `sum` is the sum of the
+    /// angles that pitch the tool there.
     fn search<T>(
         &self,
         tip: Point3<f64>,
@@ -214,7 +214,7 @@ fn obstacles(face: &PickFace) -> Vec<Capsule> {
     all
 }
 
-/// Numbers of `0..1`, the same ones for each seed.
+/// Numbers of `0..1`, the same for each seed.
 pub(super) fn numbers(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     move || {

@@ -1,6 +1,6 @@
-//! Where an arm can be: configurations and ways that are free of obstacles and of the arm itself.
+//! Where an arm can be: configurations and paths that are free of obstacles and of the arm itself.
 //!
-//! Main types: [`ArmSpace`], [`ArmWay`]. Refuses: a way that it has not checked. Ways are checked in steps of 0.05
+//! Main types: [`ArmSpace`], [`ArmWay`]. Refuses: a path that it has not checked. Paths are checked in steps of 0.05
 //! rad, between which no point of an arm of 1 m moves more than 5 cm; obstacles are thickened by half of that.
 
 use super::capsule::Capsule;
@@ -9,35 +9,35 @@ use nalgebra::Isometry3;
 
 /// Greatest distance of two checked configurations, radians.
 pub const CHECK_RAD: f64 = 0.05;
-/// By so much obstacles are thickened, since nothing is looked at between two checked configurations, metres.
+/// Thickening of obstacles, metres, since nothing is checked between two checked configurations.
 pub const CHECK_MARGIN_M: f64 = 0.025;
 
-/// A way through configurations, straight between two, that was checked.
+/// A checked path through configurations, straight between two of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmWay {
-    /// The configurations, start and goal among them.
+    /// The configurations, including start and goal.
     configurations: Vec<Joints>,
 }
 
 /// An arm among obstacles.
 #[derive(Clone, Debug)]
 pub struct ArmSpace {
-    /// What arm it is.
+    /// The kind of arm.
     pub kind: ArmKind,
-    /// Where it stands.
+    /// Where the arm stands.
     pub base: Isometry3<f64>,
-    /// What it must not touch.
+    /// What the arm must not touch.
     pub obstacles: Vec<Capsule>,
-    /// No link may be lower than this, metres.
+    /// Least height of any link, metres.
     pub floor_m: f64,
-    /// Sampled angles lie between these, radians.
+    /// Lower bounds of sampled angles, radians.
     pub low_rad: Joints,
-    /// See `low_rad`.
+    /// Upper bounds of sampled angles, radians.
     pub high_rad: Joints,
 }
 
 impl ArmSpace {
-    /// Whether the arm touches nothing with these angles.
+    /// Whether the arm touches nothing at these angles.
     pub fn is_free(&self, joints: &Joints) -> bool {
         if !self.kind.allows(joints) {
             return false;
@@ -59,7 +59,7 @@ impl ArmSpace {
             return false;
         }
         let meets = |link: &Capsule, other: &Capsule| {
-            // Boxes first: they cost little.
+            // Boxes first: they are cheap.
             let apart = link.radius_m + other.radius_m + CHECK_MARGIN_M;
             let beside = |i: usize| {
                 link.a[i].min(link.b[i]) - apart > other.a[i].max(other.b[i])
@@ -70,15 +70,15 @@ impl ArmSpace {
         if links.iter().any(|link| self.obstacles.iter().any(|o| meets(link, o))) {
             return false;
         }
-        // Links that are not next to one another.
+        // Links that are not adjacent.
         let pairs = (0..links.len()).flat_map(|i| (i + 2..links.len()).map(move |j| (i, j)));
         !pairs.into_iter().any(|(i, j)| links[i].distance_m(&links[j]) < 0.0)
     }
 
-    /// Whether the straight way between two configurations is free, both ends among it.
+    /// Whether the straight path between two configurations is free, including both ends.
     pub fn is_free_between(&self, a: &Joints, b: &Joints) -> bool {
         let steps = (joint_distance(a, b) / CHECK_RAD).ceil().max(1.0) as usize;
-        // From the middle outwards, what is blocked shows sooner.
+        // From the middle outwards, obstacles show sooner.
         let mut stride = steps.next_power_of_two();
         if !self.is_free(b) || !self.is_free(a) {
             return false;
@@ -97,19 +97,19 @@ impl ArmSpace {
         true
     }
 
-    /// A way through these configurations, if all of it is free.
+    /// A path through these configurations, if all of it is free.
     pub fn check(&self, configurations: Vec<Joints>) -> Option<ArmWay> {
         let is_way = !configurations.is_empty() && self.is_free(&configurations[0]);
         let free = is_way && configurations.windows(2).all(|pair| self.is_free_between(&pair[0], &pair[1]));
         free.then_some(ArmWay { configurations })
     }
 
-    /// A configuration from six numbers of `0..1`.
+    /// A configuration from six drawn numbers of `0..1`.
     pub fn configuration(&self, draw: &mut dyn FnMut() -> f64) -> Joints {
         std::array::from_fn(|k| self.low_rad[k] + (self.high_rad[k] - self.low_rad[k]) * draw())
     }
 
-    /// The same way with fewer corners: each of so many tries joins two places of it where that is free.
+    /// The path with fewer corners: each of `tries` attempts joins two points of the path where that is free.
     pub fn shortened(&self, way: &ArmWay, tries: usize, draw: &mut dyn FnMut() -> f64) -> ArmWay {
         let mut all = way.configurations.clone();
         for _ in 0..tries {
@@ -125,7 +125,7 @@ impl ArmSpace {
         ArmWay { configurations: all }
     }
 
-    /// How far the tool's tip goes, metres.
+    /// Distance that the tool's tip covers on a path, metres.
     pub fn tip_length_m(&self, way: &ArmWay) -> f64 {
         let mut length = 0.0;
         for pair in way.configurations.windows(2) {
@@ -145,12 +145,12 @@ impl ArmWay {
         &self.configurations
     }
 
-    /// Length in configurations, radians.
+    /// Length of the path in joint space, radians.
     pub fn length_rad(&self) -> f64 {
         self.configurations.windows(2).map(|pair| joint_distance(&pair[0], &pair[1])).sum()
     }
 
-    /// The configuration so many radians along it.
+    /// The configuration `along` radians along the path.
     pub fn at_rad(&self, mut along: f64) -> Joints {
         for pair in self.configurations.windows(2) {
             let length = joint_distance(&pair[0], &pair[1]);
@@ -172,7 +172,7 @@ mod tests {
     const START: Joints = [-0.8, -1.3, 1.7, -1.97, -1.57, 0.0];
     const GOAL: Joints = [0.8, -1.3, 1.7, -1.97, -1.57, 0.0];
 
-    /// A post stands between start and goal.
+    /// A space with a post between start and goal.
     fn space() -> ArmSpace {
         let post =
             Capsule { a: Point3::new(-0.45, -0.1, 0.0), b: Point3::new(-0.45, -0.1, 0.5), radius_m: 0.06 };

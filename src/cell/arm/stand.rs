@@ -1,11 +1,11 @@
 //! Since when an arm has not moved.
 //!
-//! Main type: [`ArmStand`]. Refuses: to ask why.
+//! Main type: [`ArmStand`]. Refuses: to ask for the reason.
 
 use super::kinematics::{Joints, joint_distance};
 use giveway_floor::time::Time;
 
-/// An arm that is within this of where it stood stands there still, radians.
+/// An arm within this distance of where it stood still stands there, radians.
 const MOVED_RAD: f64 = 0.02;
 
 /// Where an arm came to a stand, and when.
@@ -13,14 +13,14 @@ const MOVED_RAD: f64 = 0.02;
 pub(super) struct ArmStand(Option<(Joints, Time)>);
 
 impl ArmStand {
-    /// It is here now.
+    /// Notes where the arm is now.
     pub fn see(&mut self, here: &Joints, now: Time) {
         if self.0.is_none_or(|(at, _)| joint_distance(&at, here) > MOVED_RAD) {
             self.0 = Some((*here, now));
         }
     }
 
-    /// Since when it has not moved; nothing before it was heard of.
+    /// Since when the arm has not moved; nothing before its first report.
     pub fn since(&self) -> Option<Time> {
         self.0.map(|(_, since)| since)
     }

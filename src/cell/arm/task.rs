@@ -1,9 +1,9 @@
-//! What a robot arm does at its station: piece by piece from a slot into a tote, round the picker's arms.
+//! What a robot arm does at its station: piece by piece from a slot into a tote, around the picker's arms.
 //!
-//! Main types: [`StationArm`], [`ArmTask`], [`ArmMode`]. Ten times a second it follows a checked way as long as all
-//! steps until it could stand meet nobody with more than [`DELTA`]; otherwise it goes round the picker's limbs, stands,
-//! or goes back, the first of these that meets nobody. Refuses: to move an arm that is silent, late or reports what
-//! cannot be; to pick a piece nobody asked for; and to be a safety function: the arm's own stop protects people.
+//! Main types: [`StationArm`], [`ArmTask`], [`ArmMode`]. Ten times a second it follows a checked path as long as every
+//! step until it could stand meets a person with at most [`DELTA`]; otherwise it evades the picker's limbs, stands, or
+//! goes back: the first of these that meets no person. Refuses: to move an arm that is silent, late or reports
+//! impossible joints; to pick an unordered piece; and to be a safety function: the arm's own stop protects people.
 
 use super::backoff::StopBackoff;
 use super::beside::{BesidePicker, DELTA, space_beside};
@@ -25,25 +25,25 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::{ArmMount, SlotName};
 use std::sync::Arc;
 
-/// Ways keep so far from the picker, if there is room, metres; else less.
+/// Distances that paths keep from the picker, metres: the largest for which there is room.
 const CLEAR_M: [f64; 3] = [0.15, 0.08, 0.02];
-/// After so many cycles in which it did not get on, it looks for another way.
+/// Number of cycles without progress after which the arm looks for another path.
 const BLOCKED: u32 = 15;
-/// An arm that its own stop holds leaves so far at once, radians.
+/// How far an arm that its own stop holds leaves at once, radians.
 const LEAVES_RAD: f64 = 0.4;
-/// An arm this near to where it should be is there, radians.
+/// An arm within this distance of its target has arrived, radians.
 const THERE_RAD: f64 = 0.02;
-/// Samples of one search for a way.
+/// Number of samples in one search for a path.
 pub const TASK_SAMPLES: usize = 300;
-/// A stage that takes more cycles than this is given up: the visit does not wait for an arm that cannot get by.
+/// Longest stage, cycles; a longer one is abandoned: the visit does not wait for an arm that cannot get past.
 const LONGEST: u32 = 200;
-/// After so many searches in vain the line is left to the hand.
+/// Number of failed searches after which the line is left to the hand.
 const SEARCHES: u64 = 12;
-/// Tries to make a way shorter.
+/// Number of attempts to shorten a path.
 const SHORTENED: usize = 40;
-/// An arm that stands in the opening for so long is stuck: a stage that takes long is given up before.
+/// Time after which an arm standing in the opening is stuck: a stage that takes long is abandoned before.
 const STUCK: Span = Span::from_secs(60);
-/// Where an arm that evades is drawn to, so far along its way, radians.
+/// How far ahead on its path the arm is drawn while it evades, radians.
 const CARROT_RAD: f64 = 0.8;
 
 /// When an arm moves beside a picker.
@@ -51,18 +51,18 @@ const CARROT_RAD: f64 = 0.8;
 pub enum ArmMode {
     /// Only while no hand is in the opening or about to be.
     Turns,
-    /// Round where the picker's arms are.
+    /// Around where the picker's arms are.
     Reactive,
-    /// Round where they will be.
+    /// Around where the picker's arms will be.
     #[default]
     Predictive,
 }
 
 impl ArmMode {
-    /// All of them.
+    /// All modes.
     pub const ALL: [ArmMode; 3] = [ArmMode::Turns, ArmMode::Reactive, ArmMode::Predictive];
 
-    /// The word for it in scenarios and reports.
+    /// The word for the mode in scenarios and reports.
     pub fn word(self) -> &'static str {
         match self {
             ArmMode::Turns => "turns",
@@ -72,14 +72,14 @@ impl ArmMode {
     }
 }
 
-/// Pieces that an arm is to pick, one after the other.
+/// Pieces that an arm should pick, one after the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ArmTask {
-    /// From where.
+    /// The slot that the pieces come from.
     pub slot: SlotName,
-    /// Into which tote, by its number at the station.
+    /// Number of the tote at the station that the pieces go into.
     pub tote: usize,
-    /// How many.
+    /// Number of pieces.
     pub pieces: u32,
 }
 
@@ -92,14 +92,14 @@ pub enum ArmDeed {
     FoundNothing,
 }
 
-/// What an arm does.
+/// What an arm is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArmActivity {
-    /// It was never heard of.
+    /// It has never reported.
     Off,
-    /// It rests, or waits.
+    /// It is at its resting place.
     Idle,
-    /// It moves, or grips.
+    /// It moves, waits on its path, or grips.
     Moving,
     /// It gets no trajectory, for this reason.
     Trouble(ArmTrouble),
@@ -110,11 +110,11 @@ pub enum ArmActivity {
 pub struct Surroundings<'a> {
     /// The picker's limbs, if they are seen.
     pub picker: Option<&'a PickerAhead>,
-    /// Whether the arm is to stand.
+    /// Whether the arm must stand.
     pub holds: bool,
 }
 
-/// How far it is with a piece.
+/// The stage of the arm's work on a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ArmStage {
     /// At rest.
@@ -125,7 +125,7 @@ enum ArmStage {
     Out,
     ToTote,
     Put,
-    /// To where it rests.
+    /// Back to the resting place.
     Back,
     LayAside,
 }
@@ -142,32 +142,32 @@ pub struct StationArm {
     access: Option<SlotAccess>,
     stage: ArmStage,
     run: Option<WayRun>,
-    /// Whether it is to leave its way.
+    /// Whether the arm must leave its path.
     leaves: bool,
-    /// For how many cycles it has not got on.
+    /// Number of cycles without progress.
     blocked: u32,
-    /// For how many cycles it has been at this stage.
+    /// Number of cycles at this stage.
     cycles: u32,
-    /// What its own stop did at this stage.
+    /// What the arm's own stop did at this stage.
     backoff: StopBackoff,
     stand: ArmStand,
-    /// The second that was sent last.
+    /// The trajectory that was sent last.
     plan: ArmPlan,
     grip: Option<ArmGrip>,
     grips: u64,
     holds_piece: bool,
-    /// A report came that nothing was decided by yet.
+    /// Whether a report has come that no decision has used yet.
     due: bool,
     may_search: bool,
     was_heard: bool,
-    /// Whether a person says that it is outside, until it is heard of again.
+    /// Whether a person has vouched that the arm is outside, until its next report.
     is_vouched: bool,
     searches: u64,
     gives_up: bool,
 }
 
 impl StationArm {
-    /// The arm of a mount; nothing of a kind whose table is not known.
+    /// The arm of a mount; nothing for a kind without a built-in table.
     pub fn new(station: StationId, mount: &ArmMount) -> Option<StationArm> {
         let kind = ArmKind::named(&mount.kind)?.clone();
         Some(StationArm {
@@ -198,7 +198,7 @@ impl StationArm {
         })
     }
 
-    /// Takes in what the arm says. Gives what it has done, once.
+    /// Takes a report of the arm. Gives what the arm has done, once.
     pub fn hear(&mut self, now: Time, said: &ArmSaid) -> Option<ArmDeed> {
         self.was_heard = true;
         self.seam.take(now, said.report).ok()?;
@@ -208,7 +208,7 @@ impl StationArm {
             self.backoff.hold(&said.report.joints);
         }
         if said.report.is_stopped {
-            // What it was following is over.
+            // The trajectory that the arm was following is over.
             (self.plan, self.run, self.leaves) = (ArmPlan::standing(&said.report.joints), None, false);
         }
         let wanted = self.grip?;
@@ -235,23 +235,23 @@ impl StationArm {
         }
     }
 
-    /// A piece is in its tote: the next one, or the next task.
+    /// Records that a piece is in its tote: the next piece follows, or the task is over.
     fn placed(&mut self) {
         self.task = self.task.map(|t| ArmTask { pieces: t.pieces - 1, ..t }).filter(|t| t.pieces > 0);
         self.stage = if self.task.is_some() { ArmStage::ToSlot } else { ArmStage::Back };
     }
 
-    /// Why it gets no trajectory, its own stop left out: that ends by itself.
+    /// Why the arm gets no trajectory, except for its own stop, which ends by itself.
     pub fn trouble(&self, now: Time) -> Option<ArmTrouble> {
         self.seam.trouble(now).filter(|why| self.was_heard && *why != ArmTrouble::Stopped)
     }
 
-    /// Whether it was ever heard of.
+    /// Whether the arm has ever reported.
     pub fn was_heard(&self) -> bool {
         self.was_heard
     }
 
-    /// What it does.
+    /// What the arm is doing.
     pub fn activity(&self, now: Time) -> ArmActivity {
         match self.seam.trouble(now) {
             _ if !self.was_heard => ArmActivity::Off,
@@ -261,44 +261,44 @@ impl StationArm {
         }
     }
 
-    /// Whether a report came that nothing was decided by yet.
+    /// Whether a report has come that no decision has used yet.
     pub fn is_due(&self) -> bool {
         self.due
     }
 
-    /// What it picks.
+    /// The task of the arm.
     pub fn task(&self) -> Option<&ArmTask> {
         self.task.as_ref()
     }
 
-    /// Whether it may begin with another task.
+    /// Whether the arm may begin another task.
     pub fn is_free(&self) -> bool {
         self.task.is_none() && !self.holds_piece && matches!(self.stage, ArmStage::Rest | ArmStage::Back)
     }
 
-    /// Whether it can still leave its piece to the hand: it is not in the slot yet, and holds nothing.
+    /// Whether the arm can still leave its piece to the hand: it is not in the slot yet, and holds nothing.
     pub fn can_leave(&self) -> bool {
         !self.holds_piece && self.stage == ArmStage::ToSlot
     }
 
-    /// Whether any part of it was in the opening or beyond it when it was heard of last.
+    /// Whether any part of the arm was in the opening or beyond it at its last report.
     pub fn is_inside(&self) -> bool {
         let joints = self.seam.joints().filter(|_| self.stage != ArmStage::Rest && !self.is_vouched);
         self.site.as_ref().zip(joints).is_some_and(|(site, joints)| site.is_inside(joints))
     }
 
-    /// Whether it has stood in the opening, or beyond it, for so long that somebody should look: meanwhile no rack
+    /// Whether the arm has stood in the opening, or beyond it, for so long that a person should look: meanwhile no rack
     /// comes or leaves.
     pub fn is_stuck_inside(&self, now: Time) -> bool {
         self.is_inside() && self.stand.since().is_some_and(|since| now - since >= STUCK)
     }
 
-    /// A person vouches that it is not in the opening, though nobody has heard of it.
+    /// Records a person's word that the arm is not in the opening, though it does not report.
     pub fn vouch_outside(&mut self) {
         self.is_vouched = true;
     }
 
-    /// The face of the rack that is there.
+    /// Sets the face of the rack that is at the station.
     pub fn turn_to(&mut self, face: &Arc<PickFace>) {
         if self.site.as_ref().is_none_or(|site| !Arc::ptr_eq(site.face(), face)) {
             self.site = Some(ArmSite::new(&self.kind, &self.mount, face.clone()));
@@ -306,8 +306,8 @@ impl StationArm {
         }
     }
 
-    /// Whether it reaches slot and tote; nothing if that is not known yet. One pair of them is searched for with each
-    /// report.
+    /// Whether the arm reaches slot and tote; nothing if that is not known yet. Each report allows the search for one
+    /// pair of them.
     pub fn reaches(&mut self, slot: SlotName, tote: usize) -> Option<bool> {
         let site = self.site.as_mut()?;
         if !site.knows(slot, tote) && !std::mem::take(&mut self.may_search) {
@@ -316,7 +316,7 @@ impl StationArm {
         Some(site.tote(tote).is_some() && site.slot(slot).is_some())
     }
 
-    /// It is to pick this.
+    /// Begins a task.
     pub fn begin(&mut self, task: ArmTask) {
         debug_assert!(self.is_free(), "an arm has one task at a time");
         self.access = self.site.as_mut().and_then(|site| site.slot(task.slot));
@@ -326,7 +326,7 @@ impl StationArm {
         self.leave_way();
     }
 
-    /// Nobody wants its pieces any more: it comes out, and lays aside what it holds.
+    /// Drops the task: its pieces are no longer wanted. The arm comes out, and lays aside what it holds.
     pub fn drop_task(&mut self) {
         self.task = None;
         self.grip = None;
@@ -339,12 +339,12 @@ impl StationArm {
         self.leave_way();
     }
 
-    /// Whether it found no way and leaves its task to the hand; asked once.
+    /// Whether the arm found no path and leaves its task to the hand; asking clears it.
     pub fn gives_up(&mut self) -> bool {
         std::mem::take(&mut self.gives_up)
     }
 
-    /// Its motion ends where it comes to a stand; then another way begins.
+    /// Ends the present path where the arm comes to a stand; then another path begins.
     fn leave_way(&mut self) {
         self.leaves = self.run.is_some();
     }
@@ -361,11 +361,11 @@ impl StationArm {
         let lets_pass = self.backoff.waits();
         let present = *self.seam.joints()?;
         if self.stage == ArmStage::Rest && joint_distance(&rest(), &present) > THERE_RAD {
-            // It evaded somebody, or was moved.
+            // It evaded a person, or was moved.
             self.stage = ArmStage::Back;
         }
         match self.seam.trouble(now) {
-            // Where it rests it is in nobody's way.
+            // At its resting place it is in no one's way.
             Some(ArmTrouble::Stopped) if self.stage == ArmStage::Rest => return None,
             Some(ArmTrouble::Stopped) => return self.retreat(now, around),
             Some(_) => return None,
@@ -373,7 +373,7 @@ impl StationArm {
         }
         self.site.as_ref()?;
         if joint_distance(&self.plan.steps[0], &present) > THERE_RAD {
-            // It was stopped, or somebody moved it: it begins anew where it is.
+            // It was stopped, or a person moved it: it begins anew where it is.
             (self.plan, self.run, self.leaves) = (ArmPlan::standing(&present), None, false);
         }
         self.arrive(&present);
@@ -389,7 +389,7 @@ impl StationArm {
             return None;
         }
         let plan = match lets_pass {
-            // The person goes first: what it was doing comes to its end, and it stands there.
+            // The person goes first: the present motion comes to its end, and the arm stands there.
             true if self.stands() => return None,
             true => self.brakes(),
             false => self.decide(&present, around),
@@ -418,7 +418,7 @@ impl StationArm {
             && self.run.as_ref().is_none_or(WayRun::stands)
     }
 
-    /// Goes on to the next stage where it stands at the end of this one.
+    /// Advances to the next stage where the arm stands at the end of this one.
     fn arrive(&mut self, present: &Joints) {
         let is_there = |q: &Joints| joint_distance(q, present) < THERE_RAD;
         let there = self.stands() && self.target().is_some_and(|q| is_there(&q));
@@ -439,7 +439,7 @@ impl StationArm {
         self.backoff.got_on();
     }
 
-    /// Where this stage ends.
+    /// The angles at which this stage ends.
     fn target(&mut self) -> Option<Joints> {
         match self.stage {
             ArmStage::ToSlot | ArmStage::Out => self.access.map(|a| a.before),
@@ -450,7 +450,7 @@ impl StationArm {
         }
     }
 
-    /// The next second.
+    /// The trajectory of the next second.
     fn decide(&mut self, present: &Joints, around: Surroundings<'_>) -> ArmPlan {
         if (self.leaves || self.blocked > BLOCKED) && self.stands() {
             (self.run, self.leaves) = (None, false);
@@ -459,7 +459,7 @@ impl StationArm {
             self.run = self.way(present, around).map(|way| WayRun::new(&self.kind, way));
         }
         let Some(run) = &self.run else {
-            // It evades, or no way is known: it comes to a stand unless it can go on evading.
+            // It evades, or no path is known: it comes to a stand unless it can go on evading.
             let may_evade = !self.stands() && !around.holds;
             let evading = may_evade.then(|| self.evade(present, None, around)).flatten();
             return evading.unwrap_or(self.plan.a_cycle_later());
@@ -487,7 +487,7 @@ impl StationArm {
         }
     }
 
-    /// Where the arm's own stop holds it, it leaves the person, if some way leads away.
+    /// Where the arm's own stop holds it, leads it away from the person, if some path does.
     fn retreat(&mut self, now: Time, around: Surroundings<'_>) -> Option<ArmOrder> {
         let present = *self.seam.joints()?;
         let (site, picker) = (self.site.as_mut()?, around.picker?);
@@ -511,7 +511,7 @@ impl StationArm {
         Some(ArmOrder { station: self.station, trajectory, grip: None, line: None })
     }
 
-    /// Comes to a stand.
+    /// The trajectory that comes to a stand.
     fn brakes(&mut self) -> ArmPlan {
         let Some(run) = &self.run else { return self.plan.a_cycle_later() };
         let ahead = run.ahead(0.0);
@@ -523,7 +523,7 @@ impl StationArm {
         ahead.plan
     }
 
-    /// A second round the picker's limbs, if one is found that meets nothing.
+    /// A trajectory around the picker's limbs, if one is found that meets nothing.
     fn evade(&self, present: &Joints, carrot: Option<&Joints>, around: Surroundings<'_>) -> Option<ArmPlan> {
         let site = self.site.as_ref()?;
         let picker = around.picker?;
@@ -546,7 +546,7 @@ impl StationArm {
         (moves && plan.steps[..STANDS_BY].iter().enumerate().all(is_safe)).then_some(plan)
     }
 
-    /// A checked way from where the arm stands to where this stage ends.
+    /// A checked path from where the arm stands to where this stage ends.
     fn way(&mut self, present: &Joints, around: Surroundings<'_>) -> Option<ArmWay> {
         let target = self.target()?;
         let site = self.site.as_ref()?;
@@ -557,7 +557,7 @@ impl StationArm {
         self.searches += 1;
         self.blocked = 0;
         let mut draw = numbers(self.searches);
-        // As far from the picker as there is room; somebody may have come nearer than the arm would go.
+        // As far from the picker as there is room; a person may have come nearer than the arm would go.
         let spaces = CLEAR_M.iter().map(|clear_m| space_beside(&site.space, around.picker, *clear_m));
         let found = spaces.chain([site.tight()]).find_map(|space| {
             let is_possible = space.is_free(present) && space.is_free(&target);

@@ -1,13 +1,13 @@
-//! Ways of an arm by trees that grow at random: RRT (LaValle 1998), RRT-Connect (Kuffner and LaValle 2000), RRT*
-//! (Karaman and Frazzoli 2011).
+//! Arm paths from trees that grow at random: RRT (LaValle 1998), RRT-Connect (Kuffner and LaValle 2000), RRT* (Karaman
+//! and Frazzoli 2011).
 //!
 //! Main functions: [`rrt`], [`rrt_connect`], [`rrt_star`]. Numbers come from the caller; work is bounded by counted
-//! samples. Refuses: ways that were not checked, and clocks.
+//! samples. Refuses: paths that were not checked, and clocks.
 
 use super::kinematics::{Joints, between, joint_distance};
 use super::space::{ArmSpace, ArmWay};
 
-/// How far a branch grows at once, radians.
+/// Longest growth of a branch in one step, radians.
 const GROWS_RAD: f64 = 0.5;
 /// Share of samples that are the goal.
 const TO_GOAL: f64 = 0.05;
@@ -43,7 +43,7 @@ impl JointTree {
         self.nodes.len() - 1
     }
 
-    /// From the root to a node.
+    /// The configurations from the root to a node.
     fn branch(&self, mut node: usize) -> Vec<Joints> {
         let mut all = vec![self.nodes[node]];
         while node != 0 {
@@ -54,7 +54,7 @@ impl JointTree {
         all
     }
 
-    /// Grows towards a configuration; the new node if the way there is free.
+    /// Grows towards a configuration; gives the new node if the path to it is free.
     fn grow(&mut self, space: &ArmSpace, to: &Joints) -> Option<usize> {
         let near = self.nearest(to);
         let new = towards(&self.nodes[near], to);
@@ -67,7 +67,7 @@ fn towards(from: &Joints, to: &Joints) -> Joints {
     if far <= GROWS_RAD { *to } else { between(from, to, GROWS_RAD / far) }
 }
 
-/// The first way that a tree from the start finds, within so many samples.
+/// The first path that a tree from the start finds, within `samples` samples.
 pub fn rrt(
     space: &ArmSpace,
     start: &Joints,
@@ -86,7 +86,7 @@ pub fn rrt(
     None
 }
 
-/// The first way that two trees find, from the start and from the goal, within so many samples.
+/// The first path that two trees find, from the start and from the goal, within `samples` samples.
 pub fn rrt_connect(
     space: &ArmSpace,
     start: &Joints,
@@ -102,7 +102,7 @@ pub fn rrt_connect(
         let grows = sample % 2;
         let Some(new) = trees[grows].grow(space, &space.configuration(draw)) else { continue };
         let aim = trees[grows].nodes[new];
-        // The other one comes as far as it can.
+        // The other tree comes as far as it can.
         while let Some(met) = trees[1 - grows].grow(space, &aim) {
             if trees[1 - grows].nodes[met] == aim {
                 let ends = if grows == 0 { (new, met) } else { (met, new) };
@@ -115,7 +115,7 @@ pub fn rrt_connect(
     None
 }
 
-/// The shortest way that a tree from the start finds that is rewired with each sample, after so many of them.
+/// The shortest path that a tree from the start finds after `samples` samples, rewired with each one.
 pub fn rrt_star(
     space: &ArmSpace,
     start: &Joints,
@@ -157,7 +157,7 @@ pub fn rrt_star(
     space.check(tree.branch(best))
 }
 
-/// Costs of a node that has a new parent, and of all behind it.
+/// Updates the costs of a node that has a new parent, and of all its descendants.
 fn recost(tree: &mut JointTree, changed: usize) {
     let mut open = vec![changed];
     while let Some(node) = open.pop() {
@@ -167,7 +167,7 @@ fn recost(tree: &mut JointTree, changed: usize) {
     }
 }
 
-/// The radius within which the tree is rewired: γ (ln n / n)^(1/6), at most three times what a branch grows.
+/// The radius within which the tree is rewired: γ (ln n / n)^(1/6), at most three times the growth of a branch.
 pub(super) fn star_radius(space: &ArmSpace, nodes: usize) -> f64 {
     let n = (nodes.max(2)) as f64;
     let volume: f64 = (0..6).map(|k| space.high_rad[k] - space.low_rad[k]).product();

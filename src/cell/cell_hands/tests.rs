@@ -48,12 +48,12 @@ impl Film {
         self.now += Span::from_millis(16);
     }
 
-    /// The hand moves by a smooth step, and is seen or not.
+    /// Moves the hand by a smooth step, seen or unseen.
     fn moves(&mut self, lit: Option<(SlotName, usize)>, to: FacePlace, seconds: f64, is_seen: bool) {
         self.begins_to_move(lit, to, (seconds, 1.0), is_seen);
     }
 
-    /// The same for the first share of the time.
+    /// Moves the hand for the first share of the time.
     fn begins_to_move(
         &mut self,
         lit: Option<(SlotName, usize)>,
@@ -341,7 +341,7 @@ fn a_hand_that_carries_a_piece_is_expected_at_its_tote() {
 
 #[test]
 fn eyes_that_rest_on_a_wrong_slot_are_a_warning_sooner_but_none_without_a_hand_that_goes_there() {
-    // How far before the face the hand is when the warning comes, on its way to the slot beside the lit one.
+    // Distance of the hand from the face when the warning comes, on its way to the slot beside the lit one.
     let warned_m = |eyes_on: Option<&str>, goes_to: &str| {
         let mut film = Film::new();
         film.eyes_on = eyes_on.map(|name| film.face.slot(slot(name)));
