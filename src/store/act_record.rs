@@ -1,4 +1,4 @@
-//! What robots do at stops, as it is written down: part of the journal's wire form.
+//! The written form of what robots do at stops: part of the journal's wire form.
 //!
 //! Main type: [`ActRecord`]. Refuses: to stand alone; versions are `record`'s business.
 

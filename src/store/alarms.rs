@@ -1,7 +1,7 @@
 //! Alarms, active and past.
 //!
-//! Main functions: [`Store::keep_alarms`], [`Store::active_alarms`], [`Store::alarms`]. Refuses: to be what anything
-//! depends on: rows of kinds that this Giveway does not know are left out.
+//! Main functions: [`Store::keep_alarms`], [`Store::active_alarms`], [`Store::alarms`]. Refuses: to be a dependency of
+//! anything else: rows of kinds unknown to this Giveway are left out.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError, events};
 use giveway_fleet::alarm::{
@@ -14,22 +14,22 @@ use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
-/// So many alarms are kept that are over.
+/// Number of ended alarms that are kept.
 pub const MOST_PAST: i64 = 20_000;
 
 const KEEP: &str = "INSERT OR REPLACE INTO alarms (id, kind, severity, subject_kind, subject, text, remedy, x, y, \
     waiting, since, acknowledged_by, acknowledged, cleared, shelved_by, shelved, shelved_until, shelved_reason, \
     notes, grp) \
     VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20)";
-/// Numbers of alarms that are active stay; so few are below that they are passed over.
+/// Active alarms keep their numbers; so few of them are below the limit that they are skipped over.
 const FORGET: &str =
     "DELETE FROM alarms WHERE cleared IS NOT NULL AND id <= (SELECT max(id) FROM alarms) - $1";
 const LAST: &str = "SELECT coalesce(max(id), 0) FROM alarms";
 const ACTIVE: &str = "SELECT * FROM alarms INDEXED BY alarms_by_end WHERE cleared IS NULL ORDER BY id";
 const SOME: &str = "SELECT * FROM alarms WHERE id < $1 AND (cleared IS NULL OR cleared >= $2) AND since < $3 \
     ORDER BY id DESC LIMIT $4";
-/// The same where alarms have numbers in the order of their beginnings: those that are active, and of the others those
-/// that began in the time, an hour before it, or lasted for more than an hour.
+/// As `SOME`, where alarms are numbered in the order of their beginnings: the active alarms, and of the others those
+/// that began in the time or an hour before it, or lasted for more than an hour.
 const SOME_IN_ORDER: &str = "SELECT * FROM alarms WHERE id IN ( \
     SELECT * FROM (SELECT id FROM alarms INDEXED BY alarms_by_end WHERE cleared IS NULL AND id < $1 AND since < $3 \
     ORDER BY id DESC LIMIT $4) \
@@ -45,10 +45,10 @@ const OF_GROUP: &str = "SELECT * FROM alarms INDEXED BY alarms_by_group WHERE gr
     AND (cleared IS NULL OR cleared >= $2) AND since < $3 ORDER BY id DESC LIMIT $4";
 
 impl Store {
-    /// Writes alarms down as they are now, in place of what was known of them, and forgets the oldest of too many.
+    /// Writes the present state of alarms in place of what was stored, and deletes the oldest alarms over the limit.
     ///
     /// # Errors
-    /// Where the database does not take them. Then nothing was written.
+    /// If the database refuses the write. Then nothing was written.
     pub async fn keep_alarms(&self, alarms: &[Alarm]) -> Result<(), StoreError> {
         self.check_place()?;
         let mut connection = self.writer.acquire().await?;
@@ -64,10 +64,10 @@ impl Store {
         result
     }
 
-    /// The number of the last alarm, and those that have not ended or are put aside until later than `now`.
+    /// The number of the last alarm, and the alarms that have not ended or are shelved until later than `now`.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn active_alarms(&self, now: Time) -> Result<(u64, Vec<Alarm>), StoreError> {
         let last: i64 = sqlx::query_scalar(LAST).fetch_one(&self.readers).await?;
         let active = sqlx::query(ACTIVE).fetch_all(&self.readers).await?;
@@ -75,10 +75,10 @@ impl Store {
         Ok((last.unsigned_abs(), active.iter().chain(&shelved).filter_map(read).collect()))
     }
 
-    /// Some alarms, active or past, newest first.
+    /// A page of alarms, active or past, newest first.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn alarms(&self, q: &AlarmQuery) -> Result<Vec<Alarm>, StoreError> {
         let plain = if self.is_orderly { SOME_IN_ORDER } else { SOME };
         let some = sqlx::query(if q.group.is_some() { OF_GROUP } else { plain })
@@ -158,7 +158,7 @@ fn read(row: &SqliteRow) -> Option<Alarm> {
     })
 }
 
-/// Notes as a row has them; nothing where there are none.
+/// Notes as the text of a row; nothing if there are none.
 fn encode(notes: &[AlarmNote]) -> Option<String> {
     let rows: Vec<_> = notes.iter().map(|note| (&note.by, note.at.0, &note.text)).collect();
     (!rows.is_empty()).then(|| serde_json::to_string(&rows).expect("notes are plain"))

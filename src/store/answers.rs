@@ -1,6 +1,6 @@
 //! Requests with an `Idempotency-Key` whose effect has no key of its own, and their answers.
 //!
-//! Main functions: [`Store::begin_keyed`], [`Store::finish_keyed`]. Refuses: to keep one for longer than jobs keep
+//! Main functions: [`Store::begin_keyed`], [`Store::finish_keyed`]. Refuses: to keep a request longer than jobs keep
 //! their keys.
 
 use super::{Store, StoreError};
@@ -17,23 +17,23 @@ const FINISH: &str = "UPDATE answers SET status = $4, location = $5, body = $6 \
 const FORGET: &str = "DELETE FROM answers WHERE caller = $1 AND route = $2 AND key = $3";
 const FORGET_OLD: &str = "DELETE FROM answers INDEXED BY answers_by_time WHERE at < $1";
 
-/// Whose request, on which route, under which key.
+/// The caller, the route and the key of a request.
 pub type AnswerKey<'a> = [&'a str; 3];
 
 /// What is kept of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AnswerRow {
-    /// Digest of its body.
+    /// Digest of the request's body.
     pub digest: String,
-    /// Status, place and body of its answer; nothing while there is none.
+    /// Status, location and body of the answer; nothing while there is none.
     pub answer: Option<(u16, Option<String>, String)>,
 }
 
 impl Store {
-    /// Notes that a request begins; or what is known of it, if it is not the first of its key.
+    /// Records that a request begins; gives what is known of it if it is not the first with its key.
     ///
     /// # Errors
-    /// Where the database does not take it. Then nothing was written.
+    /// If the database refuses the write. Then nothing was written.
     pub async fn begin_keyed(
         &self,
         key: AnswerKey<'_>,
@@ -60,7 +60,7 @@ impl Store {
     /// Keeps the answer of a request that has begun.
     ///
     /// # Errors
-    /// Where the database does not take it. Then nothing was written.
+    /// If the database refuses the write. Then nothing was written.
     pub async fn finish_keyed(
         &self,
         key: AnswerKey<'_>,
@@ -73,10 +73,10 @@ impl Store {
         Ok(())
     }
 
-    /// Forgets a request that came to nothing.
+    /// Deletes a request that came to nothing.
     ///
     /// # Errors
-    /// Where the database does not take it. Then nothing was written.
+    /// If the database refuses the write. Then nothing was written.
     pub async fn forget_keyed(&self, [caller, route, name]: AnswerKey<'_>) -> Result<(), StoreError> {
         sqlx::query(FORGET).bind(caller).bind(route).bind(name).execute(&self.writer).await?;
         Ok(())

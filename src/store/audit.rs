@@ -1,8 +1,8 @@
-//! What was asked of the server, by whom, and which facts came of it.
+//! What was asked of the server, by whom, and which facts resulted.
 //!
-//! Main types: [`AuditRow`], [`AuditFilter`], [`StepCause`]; [`Store::audit`] lists, [`Store::causes`] says who is
-//! behind a step. A request that caused facts is written down in their transaction. Refuses: to change what was
-//! written, but for the outcome of a request whose answer came later.
+//! Main types: [`AuditRow`], [`AuditFilter`], [`StepCause`]; [`Store::audit`] lists, [`Store::causes`] gives the
+//! requests behind a step. A request that caused facts is written in their transaction. Refuses: to change what was
+//! written, except for the outcome of a request whose answer came later.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
 use futures_util::TryStreamExt;
@@ -24,52 +24,52 @@ const DONE: &str =
     "SELECT what, count(*) FROM audit WHERE id >= $1 AND id < $2 AND outcome < 400 GROUP BY what";
 const CAUSES: &str = "SELECT seq, causes FROM steps WHERE seq > $1 AND causes IS NOT NULL ORDER BY seq";
 
-/// A request that was to change something.
+/// A request to change something.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AuditRow {
-    /// When it came, microseconds since 1970, later where two came at once: its number.
+    /// Number of the request: its arrival time in microseconds since 1970, made later where two arrived at once.
     pub id: i64,
-    /// Who asked.
+    /// Name of the caller.
     pub actor: String,
-    /// The word of the role.
+    /// The word for the caller's role.
     pub role: String,
-    /// What was asked: method and route.
+    /// Method and route of the request.
     pub what: String,
-    /// Of what: the id in the path, or of what was made.
+    /// The id in the path, or the id of what was made.
     pub subject: Option<String>,
-    /// The status of the answer; nothing where none is known.
+    /// Status of the answer; nothing where none is known.
     pub outcome: Option<u16>,
 }
 
 /// Which requests to list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AuditFilter {
-    /// Only those that came at this time or later.
+    /// Only requests that came at this time or later.
     pub from: Option<Time>,
-    /// Only those that came before this time.
+    /// Only requests that came before this time.
     pub to: Option<Time>,
-    /// Only those of this name.
+    /// Only requests by this caller.
     pub actor: Option<String>,
-    /// Only those with a smaller number.
+    /// Only requests with a smaller number.
     pub before: Option<i64>,
-    /// How many at most.
+    /// Largest number of requests to list.
     pub limit: u32,
 }
 
-/// Which facts of a step a request caused.
+/// The facts of a step that a request caused.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StepCause {
-    /// Their places among the facts of the step, counted from 0.
+    /// Positions of these facts among the facts of the step, counted from 0.
     pub facts: Range<usize>,
     /// The request.
     pub request: AuditRow,
 }
 
 impl Store {
-    /// Writes requests down that were answered.
+    /// Writes answered requests.
     ///
     /// # Errors
-    /// Where the database takes nothing. Then nothing was written, and it may be tried again.
+    /// If the database refuses the write. Then nothing was written, and it may be tried again.
     pub async fn keep_audit(&self, rows: &[AuditRow]) -> Result<(), StoreError> {
         self.check_place()?;
         let mut connection = self.writer.acquire().await?;
@@ -84,18 +84,18 @@ impl Store {
         result
     }
 
-    /// The number of the last request that was written down; 0 where there is none.
+    /// The number of the last written request; 0 if there is none.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn last_audit(&self) -> Result<i64, StoreError> {
         Ok(sqlx::query_scalar(LAST).fetch_one(&self.readers).await?)
     }
 
-    /// Some requests, newest first.
+    /// A page of requests, newest first.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn audit(&self, q: &AuditFilter) -> Result<Vec<AuditRow>, StoreError> {
         let end = q.before.unwrap_or(i64::MAX).min(q.to.map_or(i64::MAX, |t| t.0));
         let statement = if q.actor.is_some() { OF_ACTOR } else { SOME };
@@ -106,21 +106,21 @@ impl Store {
         Ok(rows.iter().map(read).collect::<Result<_, _>>()?)
     }
 
-    /// How often what was asked and done, from one moment to another.
+    /// How often each kind of request was made with success, from one moment to another.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn acts(&self, (from, to): (Time, Time)) -> Result<Vec<(String, u64)>, StoreError> {
         let rows = sqlx::query(DONE).bind(from.0).bind(to.0).fetch_all(&self.readers).await?;
         let read = |row: &SqliteRow| Ok((row.try_get(0)?, row.try_get::<i64, _>(1)?.unsigned_abs()));
         Ok(rows.iter().map(read).collect::<Result<_, sqlx::Error>>()?)
     }
 
-    /// Who is behind the facts of the steps with a higher number than this, as far as the journal reaches: the number
-    /// of each such step, and what caused its facts. Facts of no request were decided by the fleet.
+    /// The requests behind the facts of the steps after `behind`, as far back as the journal reaches: for each such
+    /// step with causes its number and what caused its facts. Facts without a request were decided by the fleet.
     ///
     /// # Errors
-    /// Where the database does not answer, or a row cannot be read.
+    /// If the database does not answer, or a row cannot be read.
     pub async fn causes(&self, behind: i64) -> Result<Vec<(i64, Vec<StepCause>)>, StoreError> {
         let mut found = Vec::new();
         let mut rows = sqlx::query(CAUSES).bind(behind).fetch(&self.readers);
@@ -133,12 +133,12 @@ impl Store {
     }
 }
 
-/// Causes as a step's row has them; nothing where there are none.
+/// Causes as the text of a step's row; nothing if there are none.
 pub(super) fn encode(causes: &[StepCause]) -> Option<String> {
     (!causes.is_empty()).then(|| serde_json::to_string(causes).expect("causes are plain"))
 }
 
-/// Writes the requests down that caused facts of a step, in its transaction.
+/// Writes the requests that caused facts of a step, in the step's transaction.
 pub(super) async fn project(db: &mut SqliteConnection, causes: &[StepCause]) -> Result<(), sqlx::Error> {
     for cause in causes {
         write(&mut *db, BEGUN, &cause.request).await?;
@@ -155,7 +155,7 @@ async fn keep(db: &mut SqliteConnection, rows: &[AuditRow]) -> Result<(), sqlx::
     Ok(())
 }
 
-/// Writes one request down that is answered at once, through a table of tokens.
+/// Writes one request that is answered at once, through a table of tokens.
 pub(super) async fn note(db: &mut SqliteConnection, row: &AuditRow) -> Result<(), sqlx::Error> {
     write(db, BEGUN, row).await
 }

@@ -1,7 +1,7 @@
-//! Kinds of robots as they are written down: beside the map, since which holds exclude one another follows from them,
-//! and whole, where a kind was added while the fleet worked.
+//! The written form of kinds of robots: beside the map, since which holds exclude one another follows from them, and
+//! whole, where a kind was added while the fleet worked.
 //!
-//! Main functions: `write`, `read`, `outlines`; main type: [`RobotKindRecord`]. Refuses: to say beside the map what
+//! Main functions: `write`, `read`, `outlines`; main type: [`RobotKindRecord`]. Refuses: to write beside the map what
 //! holds do not depend on.
 
 use giveway_fleet::{Capabilities, Charging, ObeyedLimits, RobotKind};
@@ -11,7 +11,7 @@ use giveway_floor::time::Span;
 use giveway_floor::warehouse::{Body, Footprint, Warehouse};
 use serde::{Deserialize, Serialize};
 
-/// A kind: name, outlines without and with a rack where they are not the map's square, types of loads, payload.
+/// A kind: name, outlines without and with a rack unless they are the map's square, types of loads, payload.
 #[derive(Serialize, Deserialize)]
 struct BodyRecord {
     kind: String,
@@ -30,7 +30,7 @@ enum FootprintRecord {
     Polygon(Vec<[f64; 2]>, bool),
 }
 
-/// A kind that was added: all its figures, so that what is usual may change. Nothing where a figure has no bound.
+/// An added kind: all its figures, so that defaults may change. Nothing where a figure has no bound.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct RobotKindRecord {
     name: String,
@@ -83,7 +83,7 @@ impl From<Capabilities> for CapabilityRecord {
 impl From<CapabilityRecord> for Capabilities {
     fn from(r: CapabilityRecord) -> Capabilities {
         let CapabilityRecord { revocation, limits, drives_back, horizon_nodes } = r;
-        // A word of a later version: nothing is relied on.
+        // A word of a later version: assume that the robot obeys no limits.
         let limits = ObeyedLimits::of_word(&limits).unwrap_or(ObeyedLimits::Nothing);
         Capabilities { revocation, limits, drives_back, horizon_nodes }
     }
@@ -162,7 +162,7 @@ pub(super) fn write(map: &Warehouse) -> String {
     serde_json::to_string(&records).expect("records are JSON")
 }
 
-/// Kinds from text; nothing where it is not one of ours.
+/// Kinds from text; nothing for a text that was not written by `write`.
 pub(super) fn read(text: &str) -> Option<Vec<Body>> {
     let records: Vec<BodyRecord> = serde_json::from_str(text).ok()?;
     Some(records.into_iter().map(Body::from).collect())

@@ -1,7 +1,7 @@
-//! A database under a changed map: compared, backed up, and carried over in one transaction, or refused in words.
+//! A database under a changed map: compared, backed up, and carried over in one transaction, or refused with reasons.
 //!
-//! Main types: [`CarryOver`] (what the caller wants), [`CarriedOver`] (what was done). The core carries the ledger
-//! over ([`giveway_fleet::carry`]); the lists get the new map's ids, and what they name that is gone keeps its name.
+//! Main types: [`CarryOver`] (what the caller wants), [`CarriedOver`] (what was done). The core carries the ledger over
+//! ([`giveway_fleet::carry`]); the lists get the new map's ids, and anything they refer to that is gone keeps its name.
 //! A kill at any instant leaves the old database or the new one. Refuses: obstacles always, losses unless they were
 //! accepted, and to begin without a backup.
 
@@ -30,7 +30,7 @@ const MAP_ID: &str = "INSERT INTO temp.ids \
 const DROP_IDS: &str = "DROP TABLE temp.ids";
 const FORGET_GONE: &str = "DELETE FROM gone";
 const NOTE_GONE: &str = "INSERT INTO gone (kind, id, name) VALUES ($1, $2, $3)";
-/// What rows name that is gone: ids from a number on.
+/// Ids in rows that refer to something gone: ids from a number on.
 const NAMED: &str = "SELECT 'rack', rack FROM jobs WHERE rack >= $1 \
     UNION SELECT 'station', station FROM jobs WHERE station >= $1 \
     UNION SELECT 'station', value FROM jobs, json_tree(stops) WHERE type = 'integer' AND value >= $1 \
@@ -40,7 +40,8 @@ const NAMED: &str = "SELECT 'rack', rack FROM jobs WHERE rack >= $1 \
         AND why LIKE '{\"storage_taken\"%' AND json_extract(why, '$.storage_taken') >= $1 \
     UNION SELECT 'node', place FROM assignments WHERE place >= $1 \
     UNION SELECT 'node', node FROM heat WHERE node >= $1";
-/// Rows of the heat are known by their node: each goes below 0 first, so that no two have one number in between.
+/// Rows of the heat table have their node as key: each key is first made negative, so that no two rows share one
+/// meanwhile.
 const RENUMBER: [&str; 8] = [
     "UPDATE jobs SET rack = (SELECT new FROM temp.ids WHERE kind = 'rack' AND old = rack) \
      WHERE rack IN (SELECT old FROM temp.ids WHERE kind = 'rack')",
@@ -71,29 +72,29 @@ const CANCEL: &str =
 const FORGET: [&str; 2] = ["DELETE FROM steps", "DELETE FROM snapshots"];
 const SNAPSHOT: &str = "INSERT INTO snapshots (seq, at, wire, body) VALUES ($1, $2, $3, $4)";
 
-/// How a database is to be carried over where it belongs to another map.
+/// How to carry over a database that belongs to another map.
 #[derive(Clone, Debug)]
 pub struct CarryOver {
-    /// The kinds of robots of the site, for which the map is.
+    /// The kinds of robots of the site, for which the map is made.
     pub kinds: Vec<RobotKind>,
     /// Whether losses are accepted.
     pub accept_losses: bool,
-    /// Becomes part of the names of what is kept of before.
+    /// Text that becomes part of the names of files kept from before.
     pub stamp: String,
 }
 
 /// A database that was carried over.
 #[derive(Clone, Debug)]
 pub struct CarriedOver {
-    /// The name of the map to which it belonged.
+    /// The name of the map to which the database belonged.
     pub from: String,
-    /// What was said about it.
+    /// The report of what was carried over and what was lost.
     pub report: Report,
-    /// A whole copy of the database as it was; nothing where there was nothing in it.
+    /// A whole copy of the database as it was; nothing if it was empty.
     pub backup: Option<PathBuf>,
 }
 
-/// The ledger under the old map, carried over, and where the journal ends.
+/// The ledger of the old map, carried over, and where the journal ends.
 struct Compared {
     carried: Carried,
     last: i64,
@@ -111,7 +112,7 @@ pub(super) async fn carry_over(
     let other = || StoreError::OtherMap { path: path.into(), theirs: theirs.clone(), ours: map.name.clone() };
     let wanted = opening.carry.as_ref().filter(|_| opening.new.is_none()).ok_or_else(other)?;
     if last_step(db).await? == 0 {
-        // Nothing was ever promised.
+        // No promise was ever made.
         let mut tx = db.begin_with("BEGIN IMMEDIATE").await?;
         floor::keep(&mut tx, map).await?;
         published::note(&mut tx, &opening.note).await?;
@@ -139,11 +140,11 @@ pub(super) async fn carry_over(
 }
 
 impl Store {
-    /// What a start with this map would carry over, and what not; nothing where the map is the database's own. The
-    /// map is for these kinds, those of the site.
+    /// What a start with this map would carry over, and what not; nothing if the map is the database's own. The map is
+    /// made for `kinds`, the kinds of the site.
     ///
     /// # Errors
-    /// Where the database cannot be read, or does not have its own map.
+    /// If the database cannot be read, or does not have its own map.
     pub async fn compare(
         &self,
         map: &Arc<Warehouse>,
@@ -163,7 +164,7 @@ impl Store {
     }
 }
 
-/// Folds the journal under the old map and carries the ledger over. What comes out is read back before it is believed.
+/// Folds the journal under the old map and carries the ledger over. The result is read back before it is trusted.
 async fn compare(
     db: &SqlitePool,
     path: &Path,
@@ -191,12 +192,12 @@ async fn compare(
     Ok(Compared { carried, last, at })
 }
 
-/// What is known of the kinds of a building from it alone: what holds depend on, and all else as usual.
+/// The kinds of a building as far as the map alone tells: what holds depend on, with usual values for all else.
 pub(super) fn kinds_of(map: &Warehouse, clearance: Span) -> Vec<RobotKind> {
     map.bodies().iter().map(|body| RobotKind::of_body(body, clearance)).collect()
 }
 
-/// Recordings of the past name places by the old map's positions, so they are no longer shown, but kept.
+/// Moves recordings of the past aside: they name places by the old map's positions, so they are kept but not shown.
 pub(super) fn set_frames_aside(folders: &[PathBuf], stamp: &str) -> Result<(), StoreError> {
     for folder in folders.iter().filter(|folder| folder.exists()) {
         let aside = free_name(folder, stamp);
@@ -207,7 +208,7 @@ pub(super) fn set_frames_aside(folders: &[PathBuf], stamp: &str) -> Result<(), S
     Ok(())
 }
 
-/// Everything in one transaction.
+/// Writes everything in one transaction.
 async fn write(
     db: &SqlitePool,
     (old, new): (&Warehouse, &Warehouse),
@@ -250,7 +251,7 @@ fn numbers<I: Copy>(ids: &[I], number: impl Fn(I) -> u64) -> String {
     serde_json::to_string(&ids).expect("a list of numbers is JSON")
 }
 
-/// Gives the rows of all lists the new map's ids, and notes the names of what is gone and some row speaks of.
+/// Gives the rows of all lists the new map's ids, and notes the names of everything gone that some row refers to.
 async fn renumber(db: &mut SqliteConnection, old: &Warehouse, new: &Warehouse) -> Result<(), StoreError> {
     let known = Gone::of(&mut *db).await?;
     let mut gone = Gone::default();
@@ -277,7 +278,7 @@ async fn renumber(db: &mut SqliteConnection, old: &Warehouse, new: &Warehouse) -
     Ok(())
 }
 
-/// Gives the stations of deliveries to several of them their new ids.
+/// Gives the stations of deliveries with several stations their new ids.
 async fn renumber_stops(db: &mut SqliteConnection, ids: &BTreeMap<u32, u32>) -> Result<(), StoreError> {
     for (job, text) in sqlx::query_as::<_, (i64, String)>(STOPS).fetch_all(&mut *db).await? {
         let broken = |e: serde_json::Error| StoreError::Job { id: job, why: e.to_string() };
@@ -301,8 +302,8 @@ fn names(kind: GoneKind, map: &Warehouse) -> Vec<&str> {
     }
 }
 
-/// Which ids of one kind become which, as far as they change. What is gone gets ids beyond the map; what was gone and
-/// has come back gets its place in the map.
+/// The changes of ids of one kind, old to new. A thing that is gone gets an id beyond the map; a thing that was gone
+/// and has come back gets its place in the map.
 fn changes(kind: GoneKind, old: &[&str], new: &[&str], known: &Gone, gone: &mut Gone) -> Vec<(u32, u32)> {
     let at: BTreeMap<&str, u32> = (0..).zip(new).map(|(id, name)| (*name, id)).collect();
     let before = known.0.iter().filter(|((k, _), _)| *k == kind).map(|((_, id), name)| (*id, name.as_str()));

@@ -1,7 +1,7 @@
-//! A database that is only looked at, copied, or put in the place of another.
+//! A database that is only inspected, copied, or put in the place of another.
 //!
-//! Main functions: [`Store::inspect`], [`Store::integrity`], [`Store::copy_to`], [`Store::restore`]. A copy is what was
-//! committed when it began, also while a server writes. Refuses: to overwrite anything.
+//! Main functions: [`Store::inspect`], [`Store::integrity`], [`Store::copy_to`], [`Store::restore`]. A copy has what
+//! was committed when it began, even while a server writes. Refuses: to overwrite anything.
 
 use super::gone::Gone;
 use super::identity::{OpenFiles, beside};
@@ -19,23 +19,23 @@ use tokio::sync::watch;
 const INTEGRITY: &str = "PRAGMA integrity_check(20)";
 const COPY: &str = "VACUUM INTO $1";
 
-/// To which map a database belongs.
+/// The map to which a database belongs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Belongs {
     /// The map's name.
     pub map: String,
-    /// Its seal; see [`super::seal()`].
+    /// The map's seal; see [`super::seal()`].
     pub seal: String,
 }
 
 impl Store {
-    /// Opens a database to be read, also while a server has it. Nothing can be written to it.
+    /// Opens a database for reading only, even while a server has it open.
     ///
     /// # Errors
-    /// Where there is none, or it cannot be read.
+    /// If there is none, or it cannot be read.
     pub async fn inspect(path: &Path) -> Result<Store, StoreError> {
         match Store::inspect_as(path, false).await {
-            // Without a log, the main file is all there is: it can be read without writing anything.
+            // Without a log, the main file is the whole database: it can be read without writing anything.
             Err(e) if e.is_no_room() && !beside(path, "-wal").metadata().is_ok_and(|m| m.len() > 0) => {
                 Store::inspect_as(path, true).await
             }
@@ -68,24 +68,24 @@ impl Store {
         })
     }
 
-    /// The number of the last step when it was opened.
+    /// The number of the last step when the database was opened.
     pub fn last(&self) -> i64 {
         self.last
     }
 
-    /// What SQLite finds wrong with the file; nothing where it is whole.
+    /// The faults that SQLite finds in the file; none if it is intact.
     ///
     /// # Errors
-    /// Where the file cannot be read.
+    /// If the file cannot be read.
     pub async fn integrity(&self) -> Result<Vec<String>, StoreError> {
         let found: Vec<String> = sqlx::query_scalar(INTEGRITY).fetch_all(&self.readers).await?;
         Ok(found.into_iter().filter(|line| line != "ok").collect())
     }
 
-    /// The map to which the database belongs; none where it is no database of Giveway.
+    /// The map to which the database belongs; nothing if it is not a database of Giveway.
     ///
     /// # Errors
-    /// Where the file cannot be read.
+    /// If the file cannot be read.
     pub async fn belongs(&self) -> Result<Option<Belongs>, StoreError> {
         let about = async |key| -> Result<Option<String>, StoreError> {
             Ok(sqlx::query_scalar(ABOUT).bind(key).fetch_optional(&self.readers).await?)
@@ -94,19 +94,19 @@ impl Store {
         Ok(map.zip(seal).map(|(map, seal)| Belongs { map, seal }))
     }
 
-    /// Writes everything that is committed into a new file, and makes it outlast a loss of power.
+    /// Writes everything that is committed into a new file that survives a loss of power.
     ///
     /// # Errors
-    /// Where the file is there already, or cannot be written.
+    /// If the file is there already, or cannot be written.
     pub async fn copy_to(&self, target: &Path) -> Result<(), StoreError> {
         copy(&self.readers, target).await
     }
 
-    /// Puts a copy of this database in the place of another, which is moved aside with all its files. Gives their new
-    /// names. A crash half-way leaves no database in the place, and a start refuses that.
+    /// Puts a copy of this database in the place of another, whose files are all moved aside. Gives their new names. A
+    /// crash half-way leaves no database in the place, and a start refuses that.
     ///
     /// # Errors
-    /// Where a server has the other database, or a file cannot be written or moved.
+    /// If a server has the other database, or a file cannot be written or moved.
     pub async fn restore(&self, path: &Path, stamp: &str) -> Result<Vec<PathBuf>, StoreError> {
         let lock = Lock::take(path)?;
         let path = lock.path().to_owned();
@@ -125,7 +125,7 @@ impl Store {
     }
 }
 
-/// Writes everything that is committed into a new file, and makes it outlast a loss of power.
+/// Writes everything that is committed into a new file that survives a loss of power.
 async fn copy(db: &SqlitePool, target: &Path) -> Result<(), StoreError> {
     let fail = |why| StoreError::Target { path: target.into(), why };
     let name = target.to_str().ok_or_else(|| fail(io::ErrorKind::InvalidFilename.into()))?;
@@ -133,7 +133,7 @@ async fn copy(db: &SqlitePool, target: &Path) -> Result<(), StoreError> {
         return Err(fail(io::ErrorKind::AlreadyExists.into()));
     }
     sqlx::query(COPY).bind(name).execute(db).await?;
-    // The copy is whole, though the database may be open.
+    // The copy is complete, though the database may be open.
     let mut whole = SqliteConnection::connect_with(&SqliteConnectOptions::new().filename(target)).await?;
     let shut = sqlx::query(SHUT).bind(None::<String>).execute(&mut whole).await;
     whole.close().await?;
@@ -144,7 +144,7 @@ async fn copy(db: &SqlitePool, target: &Path) -> Result<(), StoreError> {
     sync_folder(target).map_err(fail)
 }
 
-/// A copy that is looked through for damage before it gets its name.
+/// Makes a copy that is checked for damage before it gets its name.
 pub(super) async fn back_up(db: &SqlitePool, target: &Path) -> Result<(), StoreError> {
     let fail = |why| StoreError::Target { path: target.into(), why };
     let partial = beside(target, ".partial");
@@ -162,7 +162,7 @@ pub(super) async fn back_up(db: &SqlitePool, target: &Path) -> Result<(), StoreE
     std::fs::rename(&partial, target).and_then(|()| sync_folder(target)).map_err(fail)
 }
 
-/// Makes the names in the folder of a file outlast a loss of power.
+/// Makes the names in the folder of a file survive a loss of power.
 pub(super) fn sync_folder(path: &Path) -> io::Result<()> {
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }

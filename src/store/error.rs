@@ -1,4 +1,4 @@
-//! What can go wrong with the store, and what to do about it.
+//! What can go wrong with the store, and how to fix it.
 //!
 //! Main type: [`StoreError`]. Refuses: to pass on a database's code without a remedy.
 
@@ -14,12 +14,12 @@ pub enum StoreError {
     /// The file cannot be opened.
     #[error("cannot open the database {path}: {why}{}", remedy(.why))]
     Open {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the database said.
+        /// The database's error.
         why: sqlx::Error,
     },
-    /// Another process has it.
+    /// Another process has the database open.
     #[error(
         "the database {0} is in use by another Giveway: stop that one, or choose another file with --database"
     )]
@@ -29,9 +29,9 @@ pub enum StoreError {
         "cannot lock {path}: {why}: the folder must exist and be writable, or choose another with --database"
     )]
     Lock {
-        /// The lock file.
+        /// Path of the lock file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: std::io::Error,
     },
     /// There was a database here, and it is gone.
@@ -40,12 +40,12 @@ pub enum StoreError {
          `giveway database restore BACKUP`; to start empty, start with --new, which moves what is left aside"
     )]
     Missing {
-        /// The main file.
+        /// Path of the main file.
         path: PathBuf,
         /// What is left of the database.
         found: String,
     },
-    /// The main file is by itself, and was not closed in order.
+    /// The main file is alone, and was not closed cleanly.
     #[error(
         "the database {0} was not closed in order, and nothing is beside it: its write-ahead log {0}-wal, which has \
          the newest facts, and {0}-lock, which says how many there were, are missing. Put them back beside it (the \
@@ -53,7 +53,7 @@ pub enum StoreError {
          acknowledged jobs may be missing, make an empty file {0}-lock"
     )]
     Alone(PathBuf),
-    /// The database has fewer facts than were acknowledged.
+    /// The database has fewer steps than were acknowledged.
     #[error(
         "the database {path} ends with fact {found}, but {known} facts were written: its write-ahead log \
          {path}-wal was lost, or an older file was put in its place. Put the right files back, or run `giveway \
@@ -61,49 +61,49 @@ pub enum StoreError {
          --new, which moves what is there aside"
     )]
     Lost {
-        /// The main file.
+        /// Path of the main file.
         path: PathBuf,
-        /// The last fact that is there.
+        /// Number of the last step in the database.
         found: i64,
-        /// The last fact that was acknowledged.
+        /// Number of the last step that was acknowledged.
         known: i64,
     },
-    /// A new database is wanted where there is a whole one.
+    /// A new database is wanted where a whole one exists.
     #[error(
         "--new starts an empty database only if there is none, but {path} has {facts} facts: start without --new, \
          or choose another file with --database"
     )]
     NotNew {
-        /// The main file.
+        /// Path of the main file.
         path: PathBuf,
-        /// How many facts it has.
+        /// Number of the last step in the database.
         facts: i64,
     },
-    /// A file that is open is no longer where it was.
+    /// An open file is no longer where it was.
     #[error(
         "{path} {what} while Giveway has it open: nothing is acknowledged any more. Move the same file back, or \
          stop Giveway, put a backup in place with `giveway database restore BACKUP`, and start it again"
     )]
     Displaced {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What happened to it.
+        /// What happened to the file.
         what: &'static str,
     },
     /// A copy cannot be written.
     #[error("cannot write {path}: {why}: name a file that does not exist yet, in a writable folder")]
     Target {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: std::io::Error,
     },
     /// A file cannot be moved aside.
     #[error("cannot move {path} aside: {why}")]
     Aside {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         why: std::io::Error,
     },
     /// The tables cannot be brought up to date.
@@ -112,72 +112,72 @@ pub enum StoreError {
          --database"
     )]
     Migrate {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What failed.
+        /// The migration's error.
         why: sqlx::migrate::MigrateError,
     },
-    /// The facts speak of another map.
+    /// The facts refer to another map.
     #[error(
         "the database {path} belongs to the map \"{theirs}\", which is not the map \"{ours}\" of this \
          scenario (nodes, where they are, lanes, racks or stations differ): use another --database, or the same map"
     )]
     OtherMap {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Name of the map in the database.
         theirs: String,
         /// Name of the map given.
         ours: String,
     },
-    /// The facts speak of another map, which the database does not have.
+    /// The facts refer to another map, which the database does not have.
     #[error(
         "the database {path} belongs to the map \"{theirs}\", and was last opened by a Giveway that did not write its \
          map down, so it cannot be compared with the map \"{ours}\": open it once with the old map first (start this \
          Giveway with it, and stop it again), then start with the new one; or use another --database"
     )]
     UnknownMap {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Name of the map in the database.
         theirs: String,
         /// Name of the map given.
         ours: String,
     },
-    /// What the facts speak of cannot all be carried over to this map.
+    /// Not all that the facts refer to can be carried over to this map.
     #[error(
         "the database {path} belongs to the map \"{theirs}\", and not all of it can be carried over to the map \
          \"{ours}\". Nothing was changed; a start with the old map goes on as before.\n{report}\n{}",
         remedy_of(.report)
     )]
     ChangedMap {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Name of the map in the database.
         theirs: String,
         /// Name of the map given.
         ours: String,
-        /// What is in the way, and what would be lost.
+        /// What prevents it, and what would be lost.
         report: Box<Report>,
     },
-    /// What was carried over makes no sense.
+    /// The carried-over ledger contradicts itself or the map.
     #[error(
         "the database {path} cannot be carried over to the changed map: {why}. Nothing was changed: start with the old \
          map, or use another --database"
     )]
     Carry {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// What is wrong.
         why: String,
     },
-    /// It is from before the first release.
+    /// The database is from before the first release.
     #[error(
         "the database {0} was made by a Giveway from before the first release, which this one cannot read: use \
          another --database; that Giveway still reads this one"
     )]
     Earlier(PathBuf),
-    /// Another process has opened it since.
+    /// Another process has opened the database since.
     #[error(
         "another Giveway has opened the database {0} since this one did (by another name of the file?): stop one of \
          them"
@@ -189,43 +189,43 @@ pub enum StoreError {
          from a backup"
     )]
     FreeWindow {
-        /// The step that should be there.
+        /// Number of the step that should be there.
         expected: i64,
-        /// The one that is.
+        /// Number of the step that is there.
         found: i64,
     },
     /// No snapshot can be read.
     #[error("snapshot {seq}: {why}")]
     Snapshot {
-        /// The step after which it was made.
+        /// Number of the step after which the snapshot was made.
         seq: i64,
-        /// What is wrong.
+        /// What is wrong with the snapshot.
         why: SnapshotError,
     },
     /// A step cannot be read.
     #[error("step {seq} of the journal: {why}")]
     Record {
-        /// Its number.
+        /// Number of the step.
         seq: i64,
-        /// What is wrong.
+        /// What is wrong with the step.
         why: RecordError,
     },
     /// A job cannot be read.
     #[error("job {id} in the database is damaged ({why}): restore the database from a backup")]
     Job {
-        /// Its number.
+        /// Number of the job.
         id: i64,
-        /// What is wrong.
+        /// What is wrong with the job.
         why: String,
     },
-    /// Another row cannot be read.
+    /// A row of another list cannot be read.
     #[error("{list} {id} in the database is damaged ({why}): restore the database from a backup")]
     Row {
-        /// What it is.
+        /// The list of the row.
         list: &'static str,
-        /// Its number.
+        /// Number of the row.
         id: i64,
-        /// What is wrong.
+        /// What is wrong with the row.
         why: String,
     },
     /// Another program wrote into the journal.
@@ -234,18 +234,18 @@ pub enum StoreError {
          Giveway"
     )]
     OutOfStep {
-        /// What this process wrote last.
+        /// Number of the last step that this process wrote.
         expected: i64,
-        /// What is there.
+        /// Number of the last step that is there.
         found: i64,
     },
-    /// The database refused.
+    /// The database reported an error.
     #[error("{}{}", .0, remedy(.0))]
     Sql(#[from] sqlx::Error),
 }
 
 impl StoreError {
-    /// Whether trying again is senseless, since what was to be written contradicts what is there.
+    /// Whether retrying is useless, since the data to be written contradicts what is there.
     pub fn is_fatal(&self) -> bool {
         match self {
             StoreError::OutOfStep { .. } | StoreError::Taken(_) => true,
@@ -254,8 +254,8 @@ impl StoreError {
         }
     }
 
-    /// Whether there is no room for what has to be written: on the disk, in a quota, or below a limit on the size of
-    /// files. Nothing is wrong with the database, and it goes on when there is room.
+    /// Whether there is no room for what must be written: on the disk, in a quota, or below a limit on the size of
+    /// files. The database is sound then, and continues once there is room.
     pub fn is_no_room(&self) -> bool {
         use sqlx::migrate::MigrateError::{Execute, ExecuteMigration};
         match self {
@@ -271,7 +271,7 @@ impl StoreError {
         }
     }
 
-    /// Whether the connection may be used again: the database was locked, full, or refused what it was told.
+    /// Whether the connection may be used again: the database was locked, full, or refused the statement.
     pub(super) fn leaves_connection_sound(&self) -> bool {
         match self {
             StoreError::OutOfStep { .. } | StoreError::Taken(_) | StoreError::Displaced { .. } => true,
@@ -305,7 +305,7 @@ fn lacks_room(e: &sqlx::Error) -> bool {
     matches!(code, Some(13 | 778 | 4874))
 }
 
-/// What to do, as the end of a sentence.
+/// What to do about an error, as the end of a sentence.
 fn remedy(e: &sqlx::Error) -> &'static str {
     match primary_code(e) {
         Some(5 | 6) => ": another program holds a lock on the database; end it or let it finish",

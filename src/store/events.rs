@@ -1,7 +1,7 @@
 //! What happened, for other systems that follow it by number.
 //!
-//! Main functions: [`Store::events`], [`Store::event_span`], [`Store::events_changed`]. Refuses: names, which others
-//! give to ids, and to keep events for longer than [`EVENTS_KEPT`].
+//! Main functions: [`Store::events`], [`Store::event_span`], [`Store::events_changed`]. Refuses: names, since the
+//! caller gives names to ids, and to keep events for longer than [`EVENTS_KEPT`].
 
 use super::gone::Gone;
 use super::{Store, StoreError};
@@ -20,8 +20,8 @@ use tokio::sync::watch;
 /// How long events are kept.
 pub const EVENTS_KEPT: Span = Span::from_secs(7 * 24 * 3600);
 
-/// The state before is that of the last event about the same subject, where such events have states ($7). A worker who
-/// is noted on the floor again and again changes no state.
+/// The old state is that of the last event about the same subject, where such events have states ($7). Repeated notes
+/// of a worker on the floor change no state.
 const NOTE: &str = "INSERT INTO events (at, kind, subject, old, new, robot, worker, text) \
     SELECT $1, $2, $3, iif($7, prior, NULL), $4, $5, $6, $8 FROM (SELECT \
     (SELECT new FROM events INDEXED BY events_by_subject \
@@ -34,7 +34,7 @@ const NOTE_ALARM: &str = "INSERT INTO events (at, kind, subject, old, new, text)
     WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1)";
 const TOLD: &str =
     "SELECT 1 FROM events INDEXED BY events_by_subject WHERE kind = 'alarm' AND subject = $1 LIMIT 1";
-/// Jobs whose state changes without a fact, where a database is carried over to another map.
+/// Notes jobs whose state changes without a fact when a database is carried over to another map.
 pub(super) const NOTE_JOBS: &str = "INSERT INTO events (at, kind, subject, old, new) \
     SELECT $1, 'job', value, (SELECT new FROM events INDEXED BY events_by_subject \
     WHERE kind = 'job' AND subject = value ORDER BY seq DESC LIMIT 1), $3 FROM json_each($2)";
@@ -42,16 +42,16 @@ const SOME: &str = "SELECT seq, at, kind, subject, old, new, robot, worker, text
     CASE WHEN kind = 'job' THEN (SELECT reference FROM jobs WHERE id = subject) END AS reference \
     FROM events WHERE seq IN (";
 const ANY: &str = "SELECT seq FROM events WHERE seq > ";
-/// One kind: with several, the page has the first of the first of each.
+/// Selects one kind: a page of several kinds has the first of the first rows of each.
 const OF_KIND: &str = "SELECT * FROM (SELECT seq FROM events INDEXED BY events_by_kind WHERE kind = ";
 const SPAN: &str = "SELECT (SELECT min(seq) FROM events), \
     coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'events'), 0)";
 
 impl Store {
-    /// Some events, in order.
+    /// A page of events, in order.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn events(&self, q: &EventQuery) -> Result<Vec<EventRow>, StoreError> {
         let rows = page(q).build().fetch_all(&self.readers).await?;
         let rows: Result<Vec<_>, sqlx::Error> = rows.iter().map(|row| decode(row, &self.gone)).collect();
@@ -64,23 +64,23 @@ impl Store {
         Ok(events)
     }
 
-    /// Which events are kept.
+    /// The numbers of the events that are kept.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn event_span(&self) -> Result<EventSpan, StoreError> {
         let row = sqlx::query(SPAN).fetch_one(&self.readers).await?;
         let (first, last): (Option<i64>, i64) = (row.try_get(0)?, row.try_get(1)?);
         Ok(EventSpan { before: first.map_or(last, |first| first - 1), last })
     }
 
-    /// Changes when there may be new events.
+    /// A receiver that changes when there may be new events.
     pub fn events_changed(&self) -> watch::Receiver<()> {
         self.news.subscribe()
     }
 }
 
-/// Some events: of kinds that are rare, too, without a look at the others.
+/// The query of a page of events: rare kinds, too, are found without reading the other events.
 pub(super) fn page(q: &EventQuery) -> QueryBuilder<Sqlite> {
     let mut query = QueryBuilder::new(SOME);
     if q.kinds.is_empty() {
@@ -95,7 +95,7 @@ pub(super) fn page(q: &EventQuery) -> QueryBuilder<Sqlite> {
     query
 }
 
-/// Writes down what a fact of a step at this time means for others, and whether it means anything.
+/// Writes the event that a fact of a step at this time means to other systems; gives whether there is one.
 pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) -> Result<bool, sqlx::Error> {
     let Some(event) = floor_event(fact) else { return Ok(false) };
     sqlx::query(NOTE)
@@ -112,8 +112,8 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) ->
     Ok(true)
 }
 
-/// Writes down what became of an alarm, if that has changed. Of a member of a group that was not told before, the group
-/// tells.
+/// Writes an alarm's change of state, if there is one. A group's alarm speaks for a member that had no event before it
+/// joined.
 pub(super) async fn note_alarm(db: &mut SqliteConnection, alarm: &Alarm) -> Result<(), sqlx::Error> {
     if alarm.group.is_some() {
         let told = sqlx::query(TOLD).bind(alarm.id.cast_signed()).fetch_optional(&mut *db).await?;
@@ -132,7 +132,7 @@ pub(super) async fn note_alarm(db: &mut SqliteConnection, alarm: &Alarm) -> Resu
     Ok(())
 }
 
-/// Details as they are kept: JSON, places in millimetres.
+/// The stored form of details: JSON, places in millimetres.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum DetailsRecord {
@@ -156,7 +156,7 @@ fn written(details: &EventDetails) -> String {
     serde_json::to_string(&record).expect("details are plain")
 }
 
-/// Nothing where they are from a newer version.
+/// Reads details; nothing if they are from a newer version.
 pub(super) fn read_details(text: &str) -> Option<EventDetails> {
     let spot = |[x_mm, y_mm]: [i64; 2]| Spot { x_mm, y_mm };
     let list = |spots: Vec<[i64; 2]>| spots.into_iter().map(spot).collect();
@@ -168,7 +168,7 @@ pub(super) fn read_details(text: &str) -> Option<EventDetails> {
     })
 }
 
-/// Nothing where the row is from a newer version.
+/// Reads a row; nothing if it is from a newer version.
 fn decode(row: &SqliteRow, gone: &Gone) -> Result<Option<EventRow>, sqlx::Error> {
     let Some(kind) = EventKind::of_word(row.try_get("kind")?) else { return Ok(None) };
     let subject = row.try_get::<Option<i64>, _>("subject")?.map(i64::cast_unsigned);

@@ -1,7 +1,7 @@
-//! The map that the facts of a database speak of: kept whole beside them, so that a changed map can be compared.
+//! The map that the facts of a database refer to: kept whole beside them, so that a changed map can be compared.
 //!
 //! Main functions: `keep`, `stored`. It is written whenever a database is opened with a map of the same seal: databases
-//! of earlier releases get it then. Refuses: a text that does not say what the seal says.
+//! of earlier releases get it then. Refuses: a text that does not match the seal.
 
 use super::{ABOUT, Store, StoreError, body_record, seal};
 use giveway_floor::warehouse::Warehouse;
@@ -10,7 +10,7 @@ use sqlx::sqlite::{SqliteConnection, SqlitePool};
 
 const PUT: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ($1, $2)";
 
-/// Notes the map, unless it is noted just so. Its name and its speed limits, say, may change under one seal.
+/// Stores the map, unless the same map is stored already. Its name or speed limits may change under one seal.
 pub(super) async fn keep(db: &mut SqliteConnection, map: &Warehouse) -> Result<(), StoreError> {
     let text = json::write(map);
     for (key, value) in
@@ -24,11 +24,11 @@ pub(super) async fn keep(db: &mut SqliteConnection, map: &Warehouse) -> Result<(
     Ok(())
 }
 
-/// The map that a database has; nothing where no Giveway has written it down yet.
+/// The map stored in a database; nothing if no Giveway has stored one yet.
 pub(super) async fn stored(db: &SqlitePool) -> Result<Option<Warehouse>, StoreError> {
     let text: Option<String> = sqlx::query_scalar(ABOUT).bind("floor").fetch_optional(db).await?;
     let sealed: Option<String> = sqlx::query_scalar(ABOUT).bind("seal").fetch_optional(db).await?;
-    // Databases from before there were footprints by kind have none: all robots took the map's square.
+    // Databases from before footprints by kind have no kinds: all robots took the map's square.
     let kinds: Option<String> = sqlx::query_scalar(ABOUT).bind("kinds").fetch_optional(db).await?;
     let kinds = kinds.and_then(|text| body_record::read(&text));
     let map = text.and_then(|text| read(&text));
@@ -36,8 +36,8 @@ pub(super) async fn stored(db: &SqlitePool) -> Result<Option<Warehouse>, StoreEr
     Ok(map.filter(|map| Some(seal(map)) == sealed))
 }
 
-/// It was well-formed for the Giveway that wrote it. A later one may find fault with it, and that may be why the map
-/// was changed: it is only read to know what is where.
+/// Reads a map that was well-formed for the Giveway that wrote it. A later one may find fault with it, which may be why
+/// the map was changed: here it only tells what is where.
 fn read(text: &str) -> Option<Warehouse> {
     match json::parse(text) {
         Ok(map) => Some(map),
@@ -47,10 +47,10 @@ fn read(text: &str) -> Option<Warehouse> {
 }
 
 impl Store {
-    /// The map that the facts speak of; nothing where no Giveway has written it down yet.
+    /// The map that the facts refer to; nothing if no Giveway has stored one yet.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn map(&self) -> Result<Option<Warehouse>, StoreError> {
         stored(&self.readers).await
     }

@@ -1,6 +1,6 @@
-//! Names of what rows of the past speak of and the map no longer has.
+//! Names of things that old rows refer to and the map no longer has.
 //!
-//! Main type: `Gone`, all of them; [`GoneNames`] are those of one row. Ids of what is gone are beyond every map, so
+//! Main type: `Gone`, all of them; [`GoneNames`] are the names for one row. Ids of gone things are beyond every map, so
 //! that they never come to mean something else. Refuses: to name what the map has.
 
 use super::StoreError;
@@ -10,13 +10,13 @@ use sqlx::Row;
 use sqlx::sqlite::{SqliteExecutor, SqlitePool};
 use std::collections::BTreeMap;
 
-/// Ids of what is gone begin here: no map is that large.
+/// Ids of gone things begin here: no map is that large.
 pub(super) const BEYOND: u32 = 1 << 31;
 
 const ALL: &str = "SELECT kind, id, name FROM gone";
 const TABLES: &str = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'gone'";
 
-/// What has positions in a map.
+/// Things that have positions in a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum GoneKind {
     Node,
@@ -36,18 +36,18 @@ impl GoneKind {
     }
 }
 
-/// All names of what is gone.
+/// The names of all gone things.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Gone(pub BTreeMap<(GoneKind, u32), String>);
 
 impl Gone {
-    /// What a database has of them; nothing where its tables are older.
+    /// Reads the names from a database; none if its tables are older.
     pub async fn read(db: &SqlitePool) -> Result<Gone, StoreError> {
         let tables: i64 = sqlx::query_scalar(TABLES).fetch_one(db).await?;
         if tables == 0 { Ok(Gone::default()) } else { Gone::of(db).await }
     }
 
-    /// What the table has.
+    /// Reads the names from the table.
     pub async fn of(db: impl SqliteExecutor<'_>) -> Result<Gone, StoreError> {
         let mut gone = BTreeMap::new();
         for row in sqlx::query(ALL).fetch_all(db).await? {
@@ -63,17 +63,17 @@ impl Gone {
         self.0.get(&(kind, id)).cloned()
     }
 
-    /// The name of a place.
+    /// The name of a gone node.
     pub fn node(&self, node: NodeId) -> Option<String> {
         self.name(GoneKind::Node, node.0)
     }
 
-    /// The name of a station.
+    /// The name of a gone station.
     pub fn station(&self, station: StationId) -> Option<String> {
         self.name(GoneKind::Station, station.0)
     }
 
-    /// The names of what a job speaks of.
+    /// The names of the gone things that a job refers to.
     pub fn of_job(&self, job: &Job) -> GoneNames {
         let kind = &job.request.kind;
         let state = job.state;

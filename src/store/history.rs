@@ -1,7 +1,7 @@
-//! What happened over time, written down for charts over a restart.
+//! What happened over time, stored so that charts survive a restart.
 //!
-//! Main functions: [`Store::keep_history`], [`Store::load_history`]. Refuses: to be what anything depends on: rows that
-//! cannot be read are left out.
+//! Main functions: [`Store::keep_history`], [`Store::load_history`]. Refuses: to be a dependency of anything else: rows
+//! that cannot be read are left out.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
 use giveway_fleet::history::{Bucket, DAY, HEAT_STEP, HeatBucket, History, Lengths, RobotTimes};
@@ -22,10 +22,10 @@ const WARM: &str = "INSERT INTO heat (start, node, waited) VALUES ($1, $2, $3)";
 const HEAT: &str = "SELECT start, node, waited FROM heat ORDER BY start, node";
 
 impl Store {
-    /// Writes buckets down, in place of what was known of them, and forgets what is too old `now`.
+    /// Writes buckets in place of the stored ones, and deletes buckets too old at `now`.
     ///
     /// # Errors
-    /// Where the database does not take them. Then nothing was written.
+    /// If the database refuses the write. Then nothing was written.
     pub async fn keep_history(
         &self,
         now: Time,
@@ -44,10 +44,10 @@ impl Store {
         result
     }
 
-    /// All buckets that were written down, with their lengths; and where robots waited.
+    /// All stored buckets with their lengths, and where robots waited.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn load_history(&self) -> Result<(Vec<(Span, Bucket)>, Vec<HeatBucket>), StoreError> {
         let rows = sqlx::query(HISTORY).fetch_all(&self.readers).await?;
         let buckets = rows.iter().filter_map(|row| bucket(row).ok()).collect();

@@ -24,7 +24,7 @@ impl FileKey {
         FileKey(found.dev(), found.ino())
     }
 
-    /// Without numbers of files, the path has to do; that a file is missing is noticed all the same.
+    /// The key without numbers of files: the path serves instead, and a missing file is noticed all the same.
     #[cfg(not(unix))]
     fn from(path: &Path, _: &Metadata) -> FileKey {
         use std::hash::{DefaultHasher, Hash, Hasher};
@@ -34,7 +34,7 @@ impl FileKey {
     }
 }
 
-/// A name beside the database: its own with this at the end.
+/// A path beside the database: its own path with this suffix.
 pub(super) fn beside(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(suffix);
@@ -48,14 +48,14 @@ pub(super) struct OpenFiles {
 }
 
 impl OpenFiles {
-    /// The main file and the write-ahead log of a database that is open.
+    /// The main file and the write-ahead log of an open database.
     pub fn of(path: &Path) -> io::Result<OpenFiles> {
         let key = |path: PathBuf| FileKey::of(&path).map(|key| (path, key));
         Ok(OpenFiles { files: vec![key(path.to_owned())?, key(beside(path, "-wal"))?] })
     }
 
-    /// Whether both are where they were: two calls of the system, some microseconds. SQLite keeps writing into files
-    /// that no longer have a name, and all of that would be gone with the process.
+    /// Checks that both are where they were: two system calls, some microseconds. SQLite keeps writing into files that
+    /// no longer have a name, and all of that would be gone with the process.
     pub fn check(&self) -> Result<(), StoreError> {
         for (path, key) in &self.files {
             let what = match FileKey::of(path) {

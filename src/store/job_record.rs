@@ -1,4 +1,4 @@
-//! Jobs and tasks as they are written down: what is wanted, how far it is, what a robot does for it.
+//! The written form of jobs and tasks: what is wanted, how far it is, and what a robot does for it.
 //!
 //! Main types: [`RequestRecord`], [`StateRecord`], [`TaskRecord`]. Refuses: to know of steps.
 
@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 #[serde(try_from = "PartsByWord", into = "PartsByWord")]
 pub(super) struct KindRecord(JobKind);
 
-/// A station, and how long the pick takes.
+/// A station, and the duration of the pick.
 pub(super) type StationRecord = (u32, Option<i64>);
 
 /// Which robots may do a job; also a column of the `jobs` table.
@@ -38,7 +38,7 @@ pub(super) struct RequestRecord {
     deadline: Option<i64>,
     after: Vec<u64>,
     key: Option<String>,
-    /// Whose key it is.
+    /// The owner of the key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     owner: Option<u64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -94,7 +94,7 @@ pub(super) enum PurposeRecord {
     Go,
 }
 
-/// The words of a kind and of its parts, with their numbers.
+/// For the word of a kind, the words of its parts with their numbers.
 type PartsByWord = BTreeMap<String, BTreeMap<String, Option<i64>>>;
 
 impl From<KindRecord> for PartsByWord {

@@ -1,6 +1,6 @@
 //! The list of jobs: what the facts say about each, ready to be listed.
 //!
-//! Refuses: names, which the map gives to ids elsewhere.
+//! Refuses: names, since the map gives them to ids elsewhere.
 
 use super::gone::Gone;
 use super::job_record::{ChoiceRecord, StationRecord, visiting};
@@ -21,33 +21,33 @@ use sqlx::{QueryBuilder, Row, Sqlite};
 /// The stations of a delivery besides the one at which the rack is wanted now, or was wanted last.
 #[derive(Default, Serialize, Deserialize)]
 pub(super) struct StopsRecord {
-    /// Those that were served, and when.
+    /// The stations that were served, and when.
     served: Vec<(StationRecord, i64)>,
-    /// Those that come after it.
+    /// The stations that follow.
     then: Vec<StationRecord>,
 }
 
 impl StopsRecord {
-    /// Gives stations other ids.
+    /// Replaces the ids of stations.
     pub fn renumber(&mut self, id: impl Fn(u32) -> u32) {
         let visits = self.served.iter_mut().map(|(visit, _)| visit).chain(&mut self.then);
         visits.for_each(|(station, _)| *station = id(*station));
     }
 }
 
-/// What is read of jobs, up to their numbers.
+/// The columns of jobs that are read, up to their numbers.
 const SOME: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, why, \
     worker, created, updated, reference, stops, lines, choice, assigned_at, lifted_at, arrived_at, ended_at, changed, \
     (SELECT json_group_object(key, value) FROM job_labels WHERE job = jobs.id) AS labels FROM jobs WHERE id IN (";
-/// The order of a page of them.
+/// The order of a page of jobs.
 const NEWEST_FIRST: &str = ") ORDER BY id DESC LIMIT ";
-/// The first job that was accepted at a time or later.
+/// The first job accepted at a time or later.
 const FIRST: &str =
     "SELECT id FROM jobs INDEXED BY jobs_by_acceptance WHERE created >= $1 ORDER BY created, id LIMIT 1";
 /// The first job that was open for days and changed at a time or later.
 const FIRST_OF_DAYS: &str = "SELECT min(id) FROM jobs INDEXED BY jobs_of_days \
     WHERE updated - created > 86400000000 AND updated >= $1";
-/// How many changed at a time or later, as far as that matters.
+/// Number of jobs that changed at a time or later, counted up to a limit.
 const CHANGED: &str =
     "SELECT count(*) FROM (SELECT 1 FROM jobs INDEXED BY jobs_by_change WHERE updated >= $1 LIMIT $2)";
 
@@ -77,17 +77,17 @@ impl Store {
     /// One job.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn job(&self, id: JobId) -> Result<Option<JobRow>, StoreError> {
         let Ok(id) = i64::try_from(id.0) else { return Ok(None) };
         let row = one(id).build().fetch_optional(&self.readers).await?;
         row.map(|row| decode(&row, &self.gone)).transpose()
     }
 
-    /// Some jobs, newest first.
+    /// A page of jobs, newest first.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn jobs(&self, q: &JobQuery) -> Result<Listed<JobRow, JobId>, StoreError> {
         let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
         let reach = TIMES.reach(self, (q.from, q.to, q.updated_since), before).await?;
@@ -96,10 +96,10 @@ impl Store {
         Ok(Listed::cut(rows, q.limit, rest.map(|id| JobId(id.unsigned_abs())), |row| row.id))
     }
 
-    /// How many jobs there are, and how many of them are not over.
+    /// Number of all jobs, and of the jobs that are not over.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn count_jobs(&self) -> Result<(u64, u64), StoreError> {
         let row = sqlx::query(COUNT).fetch_one(&self.readers).await?;
         let (all, open): (i64, i64) = (row.try_get(0)?, row.try_get(1)?);
@@ -107,18 +107,18 @@ impl Store {
     }
 }
 
-/// The statements that tell from times which jobs a page may have.
+/// The statements that narrow a page of jobs by times.
 pub(super) const TIMES: TimeStatements =
     TimeStatements { first: FIRST, first_of_days: FIRST_OF_DAYS, changed: CHANGED };
 
-/// One job.
+/// The query of one job.
 pub(super) fn one(id: i64) -> QueryBuilder<Sqlite> {
     let mut query = QueryBuilder::new(SOME);
     query.push_bind(id).push(")");
     query
 }
 
-/// Where a page of jobs comes from: the filter that leaves the fewest is an index, the others are conditions.
+/// The source of a page of jobs: the filter with the fewest rows uses an index, the others are conditions.
 pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
     let id = "jobs.id";
     let states = if q.states.is_empty() { &JOB_STATES[..] } else { &q.states };
@@ -133,7 +133,7 @@ pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
         let equal = vec![("reference", Given::Word(reference))];
         vec![Arm::of("jobs INDEXED BY jobs_by_reference", id, equal)]
     } else if let Some(part) = rest.reference_part.take() {
-        // A phrase in quotation marks is looked for as it stands; the index is read from its newest entry on.
+        // A phrase in quotation marks is searched verbatim; the index is read from its newest entry on.
         let phrase = format!("\"{}\"", part.replace('"', "\"\""));
         let from = "job_references CROSS JOIN jobs ON jobs.id = job_references.rowid";
         vec![Arm::of(from, "job_references.rowid", vec![("job_references", Given::Word(phrase))])]
@@ -233,7 +233,7 @@ async fn accept(
     Ok(())
 }
 
-/// A rack goes on from a station to the next one.
+/// Advances a rack from a station to the next one.
 async fn serve(db: &mut SqliteConnection, id: JobId, at: Time) -> Result<(), sqlx::Error> {
     let row = sqlx::query(STOPS).bind(id.0.cast_signed()).fetch_one(&mut *db).await?;
     let mut stops = stops_of(&row)?;
@@ -247,7 +247,7 @@ async fn serve(db: &mut SqliteConnection, id: JobId, at: Time) -> Result<(), sql
     query.bind(at.0).execute(db).await.map(|_| ())
 }
 
-/// Something was said about a line of the visit that is on.
+/// Changes a line of the present visit.
 async fn change_line(
     db: &mut SqliteConnection,
     id: JobId,
@@ -264,7 +264,7 @@ async fn change_line(
     query.execute(db).await.map(|_| ())
 }
 
-/// Nothing for jobs without lines, as most are.
+/// The lines as text; nothing for jobs without lines, as most are.
 fn lines_text(lines: &[Lines]) -> Option<String> {
     let records: Vec<LinesRecord> = lines.iter().cloned().map(LinesRecord).collect();
     (!records.is_empty())
@@ -281,7 +281,7 @@ fn then_of(request: &JobRequest) -> Vec<StationRecord> {
     request.then.iter().map(job_record::visit_record).collect()
 }
 
-/// Nothing for jobs with one station, as most have.
+/// The stops as text; nothing for jobs with one station, as most are.
 fn stops_text(stops: &StopsRecord) -> Option<String> {
     let is_one = stops.served.is_empty() && stops.then.is_empty();
     (!is_one).then(|| serde_json::to_string(stops).expect("lists of numbers are JSON"))

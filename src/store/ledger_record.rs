@@ -1,8 +1,8 @@
-//! The ledger as it is written down in a snapshot: a versioned wire form of its own.
+//! The written form of the ledger in a snapshot: a versioned wire form of its own.
 //!
-//! Main functions: [`encode`], [`decode`]; [`VERSION`]. Everything is spelled out, so that a change of the ledger
-//! in the program does not change what is on disk unnoticed. Refuses: what a newer program wrote, and what
-//! contradicts itself.
+//! Main functions: [`encode`], [`decode`]; [`VERSION`]. Everything is spelled out, so that a change of the ledger in
+//! the program does not silently change the form on disk. Refuses: data of a newer program, and data that contradicts
+//! itself.
 
 use super::body_record::RobotKindRecord;
 use super::job_record::{
@@ -28,32 +28,32 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The version that this program writes, and it reads all earlier ones. It goes up as [`super::record::VERSION`] does,
-/// and for the same reasons; 2 has the kinds of robots that were added.
+/// The version that this program writes; it reads all earlier ones. It goes up as [`super::record::VERSION`] does, and
+/// for the same reasons; 2 has the added kinds of robots.
 pub const VERSION: i64 = 2;
 
 /// Why a snapshot cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum SnapshotError {
-    /// It was written by a newer program.
+    /// The snapshot was written by a newer program.
     #[error(
         "it is in wire version {0}, this Giveway reads up to {VERSION}: use the newer Giveway that wrote it"
     )]
     Newer(i64),
-    /// It is damaged.
+    /// The snapshot is damaged.
     #[error("it is damaged ({0}): restore the database from a backup")]
     Damaged(#[from] serde_json::Error),
-    /// It says what cannot be.
+    /// The snapshot contradicts itself or the map.
     #[error("it contradicts itself or the map ({0}): restore the database from a backup")]
     Contradiction(#[from] Contradiction),
 }
 
-/// Keys of what is open; of what is over, with the time of acceptance.
+/// Keys of open jobs and of ended ones, the latter with the time of acceptance.
 #[derive(Serialize, Deserialize)]
 struct KeysRecord {
     open: Vec<(String, u64)>,
     over: Vec<(u64, i64, String)>,
-    /// Whose they are, by what they were given for; keys of which that is not known are not among them.
+    /// Owners of the keys, by the job or assignment; keys with an unknown owner are left out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     owners: Vec<(u64, u64)>,
 }
@@ -68,7 +68,7 @@ struct JobRecord {
     served: Vec<(StationRecord, i64)>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     choice: Option<ChoiceRecord>,
-    /// How far the lines of each station are.
+    /// Progress of the lines of each station.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     lines: Vec<LinesRecord>,
 }
@@ -164,12 +164,12 @@ struct LedgerRecord {
     ended_badly: Vec<(u64, i64)>,
     sums: SumsRecord,
     wishes: Vec<u32>,
-    /// Kinds of robots that were added to those of the site.
+    /// Kinds of robots that were added to the site's.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     kinds: Vec<RobotKindRecord>,
 }
 
-/// Snapshots from before closures recurred have no number for the first.
+/// Default number: snapshots from before closures recurred have no number for the first occurrence.
 fn first() -> u64 {
     1
 }
@@ -180,10 +180,10 @@ pub fn encode(parts: &Parts) -> String {
         .expect("records have no maps with keys that are not text")
 }
 
-/// A ledger from text, in a building for the kinds of its site.
+/// A ledger from text, in a building made for the kinds of its site.
 ///
 /// # Errors
-/// Where it was written by a newer program, is damaged, or contradicts itself or the map.
+/// If it was written by a newer program, is damaged, or contradicts itself or the map.
 pub fn decode(
     version: i64,
     text: &str,

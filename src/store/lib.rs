@@ -1,14 +1,13 @@
-//! The journal of steps, snapshots of what they led to, the lists of jobs, assignments, encounters and alarms,
-//! what happened to robots, figures over time, tokens and who asked for what, in SQLite.
+//! The journal of steps, snapshots of the ledger, the lists of jobs, assignments, encounters and alarms, what happened
+//! to robots, figures over time, tokens and the audit of requests, in SQLite.
 //!
 //! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`StepEntry`], [`Loaded`], [`StoreError`];
-//! [`record`] is the wire form of facts, [`ledger_record`]
-//! that of snapshots. This module is the seam behind which PostgreSQL follows: statements are constants with `$1`,
-//! and no other module sees a row. What is guaranteed: an [`Store::append`] that returned `Ok` survives loss of
-//! power; a step is there whole or not at all; the journal and the lists never differ; a batch that is appended
-//! again after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
-//! other than the one that the facts speak of unless they can be carried over to it, to acknowledge what goes into a
-//! file that was taken away.
+//! [`record`] is the wire form of facts, [`ledger_record`] that of snapshots. This module is the seam behind which
+//! PostgreSQL follows: statements are constants with `$1`, and no other module sees a row. Guarantees: an
+//! [`Store::append`] that returned `Ok` survives loss of power; a step is there whole or not at all; the journal and
+//! the lists never differ; a batch that is appended again after an unclear failure is written once. Refuses:
+//! observations, a second process on the same file, a map other than that of the facts unless they can be carried over
+//! to it, and to acknowledge a write into a file that was taken away.
 
 mod act_record;
 mod alarms;
@@ -88,11 +87,11 @@ use tokio::sync::watch;
 /// How long a statement waits for another program's lock.
 const BUSY: Duration = Duration::from_secs(5);
 
-/// Connections that read.
+/// Number of connections that read.
 const READERS: u32 = 4;
 
 const ABOUT: &str = "SELECT value FROM about WHERE key = $1";
-/// Under this key it says that the clock was set back once.
+/// Key in the table `about` that tells that the clock was once set back.
 const SET_BACK: &str = "set_back";
 const TAKE: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ('run', $1), ('open', $1)";
 const SHUT: &str = "DELETE FROM about WHERE key = 'open' AND ($1 IS NULL OR value = $1)";
@@ -104,48 +103,48 @@ const BEGIN: &str = "BEGIN IMMEDIATE";
 const COMMIT: &str = "COMMIT";
 const ROLLBACK: &str = "ROLLBACK";
 
-/// After truncating, the write-ahead log keeps at most so many bytes of the disk.
+/// Largest size of the write-ahead log after truncation, bytes.
 const LOG_BYTES: &str = "67108864";
 
-/// What is over stays in the lists for so many days unless the settings say otherwise.
+/// Number of days for which ended items stay in the lists unless the settings say otherwise.
 pub const KEEP_DAYS: u32 = 400;
 
-/// For so many days lists say who it was, unless the settings say otherwise.
+/// Number of days for which lists name people, unless the settings say otherwise.
 pub const PEOPLE_KEEP_DAYS: u32 = 7;
 
-/// The database: one connection that writes, some that read.
+/// The database: one connection that writes, and several that read.
 #[derive(Debug)]
 pub struct Store {
     writer: SqlitePool,
     readers: SqlitePool,
     place: OpenFiles,
-    /// The number of the last step when it was opened.
+    /// The number of the last step when the database was opened.
     last: i64,
-    /// Names this opening of the database: what others wrote since is noticed.
+    /// Id of this opening of the database: writes of other processes since then are noticed.
     run: String,
     keep: Span,
-    /// For how long lists say who it was.
+    /// How long lists name people.
     keep_people: Span,
-    /// Whether what was accepted later always has a higher number: the clock was never set back.
+    /// Whether later acceptance always means a higher number: the clock was never set back.
     is_orderly: bool,
     lock: Arc<Lock>,
-    /// Names of what the lists speak of and the map no longer has.
+    /// Names of things that the lists refer to and the map no longer has.
     gone: Gone,
     carried: Option<CarriedOver>,
-    /// Tells those who follow events that there may be new ones.
+    /// Tells followers of events that there may be new ones.
     news: watch::Sender<()>,
 }
 
 impl Store {
-    /// Opens the database, makes it where there is none, and brings its tables up to date.
+    /// Opens the database, makes it if there is none, and brings its tables up to date.
     ///
     /// # Errors
-    /// Where the file cannot be used, another process uses it, or it belongs to another map.
+    /// If the file cannot be used, another process uses it, or it belongs to another map.
     pub async fn open(path: &Path, map: &Warehouse) -> Result<Store, StoreError> {
         Store::open_as(path, map, &Opening::default()).await
     }
 
-    /// Opens the database whose lock is held. It must have the facts that the lock file knows of.
+    /// Opens the database whose lock is held. It must have the steps that the lock file knows of.
     async fn connect(
         lock: &Arc<Lock>,
         known: Option<&LockRecord>,
@@ -176,7 +175,7 @@ impl Store {
                 return Err(e);
             }
         };
-        // One of them is always open: with its last connection SQLite would remove the write-ahead log.
+        // One reader is always open: with its last connection SQLite would remove the write-ahead log.
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
             .min_connections(1)
@@ -210,61 +209,61 @@ impl Store {
         })
     }
 
-    /// Whether the files that it writes to are still the database. What is appended is acknowledged only then.
+    /// Checks that the files being written to are still the database. Only then are appends acknowledged.
     ///
     /// # Errors
-    /// Where they were deleted, moved or replaced.
+    /// If they were deleted, moved or replaced.
     pub fn check_place(&self) -> Result<(), StoreError> {
         self.place.check()
     }
 
-    /// Makes what the lock file knows outlast a loss of power.
+    /// Makes the contents of the lock file survive a loss of power.
     ///
     /// # Errors
-    /// Where the disk refuses.
+    /// If the disk refuses.
     pub fn sync_lock(&self) -> std::io::Result<()> {
         self.lock.sync()
     }
 
-    /// The file.
+    /// Path of the main file.
     pub fn path(&self) -> &Path {
         self.lock.path()
     }
 
-    /// What was done to bring it to the map, where it was opened with another one than it belonged to.
+    /// What was carried over, if the database was opened with another map than its own.
     pub fn carried(&self) -> Option<&CarriedOver> {
         self.carried.as_ref()
     }
 
-    /// The same, but what is over stays in the lists for so many days.
+    /// This store with the number of days for which ended items stay in the lists.
     pub fn keep_days(self, keep: u32) -> Store {
         Store { keep: days(keep), ..self }
     }
 
-    /// The same, but lists say for so many days who it was.
+    /// This store with the number of days for which lists name people.
     pub fn keep_people_days(self, keep: u32) -> Store {
         Store { keep_people: days(keep), ..self }
     }
 
-    /// Names this opening of the database; each step says by which run it was written.
+    /// Id of this opening of the database; each step records the run that wrote it.
     pub fn run(&self) -> &str {
         &self.run
     }
 
-    /// Lets the file grow to so many pages of 4 KiB and no further: beyond, it behaves like a full disk.
+    /// Limits the file to this many pages of 4 KiB: beyond, it behaves like a full disk.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn cap(&self, pages: u32) -> Result<(), StoreError> {
         let statement = AssertSqlSafe(format!("PRAGMA max_page_count = {pages}"));
         sqlx::query(statement).execute(&self.writer).await?;
         Ok(())
     }
 
-    /// Writes everything into the main file, closes it and lets go of it, whatever else still knows this store.
+    /// Writes everything into the main file, closes it and releases it, even if other handles to this store remain.
     pub async fn close(&self) {
         self.readers.close().await;
-        // One that is only looked at has no run. Where the disk is full, it was not closed in order.
+        // An inspected database has no run. On a full disk, it stays marked as open.
         if !self.run.is_empty()
             && let Err(e) = sqlx::query(SHUT).bind(&self.run).execute(&self.writer).await
         {
@@ -279,7 +278,7 @@ fn days(n: u32) -> Span {
     Span::from_secs(24 * 3600) * i64::from(n)
 }
 
-/// Looks at what is there, brings it up to date and takes it. Gives the number of the last step.
+/// Checks the database, brings it up to date and takes it. Gives the number of the last step.
 async fn prepare(
     writer: &SqlitePool,
     lock: &Lock,
@@ -300,14 +299,14 @@ async fn prepare(
     let last = old_kinds::take_up(writer, path, (map, &lock.run().to_string()), last).await?;
     let carried = seal_or_carry(writer, path, map, opening).await?;
     sqlx::query(TAKE).bind(lock.run().to_string()).execute(writer).await?;
-    // The main file by itself is to say that it is not all.
+    // So that a main file without its log can tell that it is not complete.
     if let Err(e) = sqlx::query(INTO_MAIN).execute(writer).await {
         tracing::debug!("the log is not yet written into the main file: {e}");
     }
     Ok((last, carried))
 }
 
-/// Whether the run that had the database last did not close it. An earlier Giveway says nothing about that.
+/// Whether the last run did not close the database. An earlier Giveway records nothing about that.
 async fn is_open(db: &SqlitePool) -> Result<bool, StoreError> {
     let tables: i64 = sqlx::query_scalar(JOURNALS).fetch_one(db).await?;
     if tables == 0 {
@@ -385,7 +384,7 @@ fn migrator() -> Migrator {
     ])
 }
 
-/// Seals a new database with the map, and carries one that belongs to another map over to this one.
+/// Seals a new database with the map, and carries a database of another map over to this one.
 async fn seal_or_carry(
     writer: &SqlitePool,
     path: &Path,

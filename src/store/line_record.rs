@@ -1,4 +1,4 @@
-//! Order lines as they are written down, with what is said about them and how far they are.
+//! The written form of order lines, with the changes of lines and their progress.
 //!
 //! Main types: [`OrderRecord`], [`LineChangeRecord`], [`LinesRecord`]. Refuses: to know of jobs.
 
@@ -16,7 +16,7 @@ pub(super) struct OrderRecord {
     by: PickedByRecord,
 }
 
-/// Its name.
+/// The written form of a slot's name.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 struct SlotRecord(SlotName);
@@ -64,10 +64,10 @@ enum LineStateRecord {
     Arm,
 }
 
-/// A line, how far it is, and its pieces in the tote.
+/// A line, its state, and its pieces in the tote.
 type ProgressRecord = (OrderRecord, LineStateRecord, u32);
 
-/// The lines of one visit with how far they are; a list of them is also a column of the `jobs` table. Lines that
+/// The lines of one visit with their progress; a list of them is also a column of the `jobs` table. Lines that
 /// contradict themselves are not read.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "Vec<ProgressRecord>", into = "Vec<ProgressRecord>")]

@@ -2,18 +2,18 @@
 //!
 //! Main types: [`Reach`] (what times leave of a list), [`Listing`] (where a page comes from), [`Arm`] (one index, read
 //! in the order of the list), [`RowCondition`] (what no index answers). A page has the best rows of its arms. Where
-//! conditions leave rows out, it looks at no more than so many and says from where to go on. Refuses: to sort a list,
-//! and to choose an index by itself: each arm names one, and SQLite refuses a statement whose index is not there.
+//! conditions drop rows, it looks at a bounded number of rows and tells where to continue. Refuses: to sort a list, and
+//! to choose an index by itself: each arm names one, and SQLite refuses a statement whose index is missing.
 
 use super::{Store, StoreError};
 use giveway_floor::time::{Span, Time};
 use sqlx::sqlite::SqlitePool;
 use sqlx::{QueryBuilder, Sqlite};
 
-/// So many rows are looked at for a page, beyond those that it gives.
+/// Number of rows that a page looks at beyond the rows that it gives.
 pub(super) const LOOKED_AT: i64 = 2_000;
 
-/// What was open for longer has an index of its own (`jobs_of_days`).
+/// Rows that were open for longer than this have an index of their own (`jobs_of_days`).
 const DAYS: Span = Span::from_secs(24 * 3600);
 
 /// What a column is compared with.
@@ -23,21 +23,21 @@ pub(super) enum Given {
     Word(String),
 }
 
-/// One index, or a table by its numbers, with the columns of it that must be equal to something.
+/// One index, or a table by its numbers, with the columns of it that must be equal to given values.
 #[derive(Clone, Debug)]
 pub(super) struct Arm {
     /// The table with its index.
     pub from: &'static str,
-    /// The number of a row.
+    /// The column with the number of a row.
     pub id: &'static str,
-    /// Columns, and what they are.
+    /// Columns and the values that they must equal.
     pub equal: Vec<(&'static str, Given)>,
     /// Ranges of a column of a short index, which is not in the order of the list.
     pub within: Vec<(&'static str, i64)>,
 }
 
 impl Arm {
-    /// An index, whose rows are in the order of the list where these columns are equal.
+    /// An index whose rows are in the order of the list where these columns are equal.
     pub fn of(from: &'static str, id: &'static str, equal: Vec<(&'static str, Given)>) -> Arm {
         Arm { from, id, equal, within: Vec::new() }
     }
@@ -63,7 +63,7 @@ impl Arm {
     }
 }
 
-/// What a row must be beside that: pieces of SQL, each with what follows it.
+/// A further condition on a row: pieces of SQL, each with the value that follows it.
 #[derive(Clone, Debug)]
 pub(super) struct RowCondition {
     parts: Vec<(&'static str, Given)>,
@@ -76,33 +76,33 @@ impl RowCondition {
         RowCondition { parts: vec![(comparison, Given::Number(number))], end: "" }
     }
 
-    /// Pieces with words behind them.
+    /// A condition of pieces with words behind them.
     pub fn words(parts: Vec<(&'static str, String)>, end: &'static str) -> RowCondition {
         RowCondition { parts: parts.into_iter().map(|(sql, word)| (sql, Given::Word(word))).collect(), end }
     }
 
-    /// One of these words, if there are any.
+    /// The condition that a column has one of these words, if there are any.
     pub fn one_of(begin: &'static str, words: &[&'static str]) -> Option<RowCondition> {
         let part = |(i, word): (usize, &&str)| (if i == 0 { begin } else { ", " }, (*word).to_owned());
         (!words.is_empty()).then(|| RowCondition::words(words.iter().enumerate().map(part).collect(), ")"))
     }
 }
 
-/// Which rows of a list the times in a query leave.
+/// The rows of a list that the times in a query allow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
-    /// Numbers are not below this.
+    /// Least number of a row.
     pub low: i64,
-    /// Numbers are below this.
+    /// Row numbers are below this.
     pub before: i64,
-    /// Whether so few rows are in a range of time that they may be looked at one by one.
+    /// Whether a range of time has so few rows that they may be looked at one by one.
     pub is_short: bool,
-    /// Whether the bounds say all that times of acceptance say.
+    /// Whether the bounds fully replace conditions on times of acceptance.
     pub is_orderly: bool,
 }
 
 impl Reach {
-    /// The times that the bounds do not say.
+    /// The conditions on times that the bounds do not cover.
     pub fn conditions(
         &self,
         (from, to, since): (Option<Time>, Option<Time>, Option<Time>),
@@ -127,16 +127,16 @@ impl Reach {
 
 /// Statements about a list whose rows are accepted in the order of their numbers, and change later.
 pub(super) struct TimeStatements {
-    /// The first row that was accepted at a time or later.
+    /// Finds the first row that was accepted at a time or later.
     pub first: &'static str,
-    /// The first row that was open for more than [`DAYS`] and changed at a time or later.
+    /// Finds the first row that was open for more than [`DAYS`] and changed at a time or later.
     pub first_of_days: &'static str,
-    /// How many rows changed at a time or later, as far as that matters.
+    /// Counts the rows that changed at a time or later, up to a limit.
     pub changed: &'static str,
 }
 
 impl TimeStatements {
-    /// What the times of acceptance, and that of the last change, leave of a list.
+    /// The rows of a list that the times of acceptance and of the last change allow.
     pub async fn reach(
         &self,
         store: &Store,
@@ -165,13 +165,13 @@ impl TimeStatements {
     }
 }
 
-/// The first number that a statement finds, beyond all numbers where there is none.
+/// The first number that a statement finds, or the largest number if there is none.
 pub(super) async fn first(db: &SqlitePool, statement: &'static str, at: Time) -> Result<i64, StoreError> {
     let found: Option<Option<i64>> = sqlx::query_scalar(statement).bind(at.0).fetch_optional(db).await?;
     Ok(found.flatten().unwrap_or(i64::MAX))
 }
 
-/// How many rows there are in a range, or one more than may be looked at.
+/// Number of rows in a range, or one more than may be looked at.
 pub(super) async fn count(
     db: &SqlitePool,
     statement: &'static str,
@@ -181,29 +181,29 @@ pub(super) async fn count(
     Ok(query.bind(LOOKED_AT + 1).fetch_one(db).await?)
 }
 
-/// Where a page comes from. Numbers fall within a page, and from page to page.
+/// The source of a page. Numbers fall within a page, and from page to page.
 #[derive(Clone, Debug)]
 pub(super) struct Listing {
     /// The columns that are read, up to the numbers of the rows.
     pub rows: &'static str,
     /// The order of the page.
     pub order: &'static str,
-    /// Where rows may be.
+    /// The indexes from which rows may come.
     pub arms: Vec<Arm>,
-    /// What they must be beside that.
+    /// The further conditions on rows.
     pub conditions: Vec<RowCondition>,
-    /// Numbers are not below this.
+    /// Least number of a row.
     pub low: i64,
-    /// Numbers are below this.
+    /// Row numbers are below this.
     pub before: i64,
-    /// Whether the arms have no more than so many rows as may be looked at.
+    /// Whether the arms have no more rows than may be looked at.
     pub is_short: bool,
-    /// How many rows at most.
+    /// Largest number of rows of the page.
     pub limit: u32,
 }
 
 impl Listing {
-    /// How far down the list this page looks; nothing where it need not look at more than it gives.
+    /// The query of how far down the list this page looks; nothing if it need not look at more than it gives.
     pub fn floor(&self) -> Option<QueryBuilder<Sqlite>> {
         if self.conditions.is_empty() || self.is_short {
             return None;
@@ -239,8 +239,8 @@ impl Listing {
         query
     }
 
-    /// Reads the page; gives its rows, and the number before which the list goes on where it looked at as many rows as
-    /// it may and found too few.
+    /// Reads the page. Gives its rows, and, if it looked at as many rows as it may and found too few, the number before
+    /// which the list continues.
     pub async fn read(
         &self,
         db: &SqlitePool,

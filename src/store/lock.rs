@@ -3,7 +3,7 @@
 //!
 //! Main types: [`Lock`], [`LockRecord`] (the text in the lock file). Two files are locked: `FILE-lock`, which is there
 //! before the database is, and on Linux the main file itself, which has one identity under all its names. The record
-//! says how many facts were durable; it is written after each commit and before that is acknowledged, and never before
+//! tells how many steps were durable; it is written after each commit and before that is acknowledged, and never before
 //! the commit, so that a crash at any instant leaves a number that the database has reached. Refuses: a second holder,
 //! in this process or another.
 
@@ -17,28 +17,28 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 use uuid::Uuid;
 
-/// Main files that this process has. A second look at one of them must not even open it: closing any handle of a file
-/// gives up all of the process's locks on it, those of SQLite, too (POSIX).
+/// Main files that this process holds. A second look at one of them must not even open it: closing any handle of a file
+/// gives up all of the process's locks on it, including those of SQLite (POSIX).
 static HELD: Mutex<BTreeSet<FileKey>> = Mutex::new(BTreeSet::new());
 
-/// The record has always this length, so that writing it again asks the disk for nothing.
+/// Fixed length of the record, bytes, so that rewriting it needs no new disk space.
 const RECORD_BYTES: usize = 256;
 
-/// How many symbolic links may lead to a database that is not there yet.
+/// Largest number of symbolic links to a database that is not there yet.
 const MOST_LINKS: usize = 8;
 
 /// What the lock file says about the database beside it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct LockRecord {
-    /// The run that wrote this.
+    /// Id of the run that wrote the record.
     pub run: String,
-    /// The number of the last fact that is durable, or of one shortly before it.
+    /// The number of the last durable step, or of one shortly before it.
     pub last: i64,
-    /// Whether the database was closed in order.
+    /// Whether the database was closed cleanly.
     pub closed: bool,
 }
 
-/// What falls when the lock does.
+/// The files that are released together with the lock.
 #[derive(Debug)]
 struct LockHeld {
     side: File,
@@ -46,7 +46,7 @@ struct LockHeld {
     record: LockRecord,
 }
 
-/// The right to write to one database, until it is released, or the process ends.
+/// The right to write to one database, until it is released or the process ends.
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
@@ -69,7 +69,7 @@ impl Lock {
             options.read(true).write(true).create(true).truncate(false).open(&name).map_err(fail)?;
         lock(&side, &path, &name)?;
         let mut text = String::new();
-        // Whatever is no record claims nothing: an older Giveway left the file empty.
+        // Anything but a record claims nothing: an older Giveway left the file empty.
         let found = side.read_to_string(&mut text).ok().and_then(|_| serde_json::from_str(&text).ok());
         let run = Uuid::new_v4();
         let record = LockRecord { run: run.to_string(), last: 0, closed: false };
@@ -81,7 +81,7 @@ impl Lock {
         Ok(lock)
     }
 
-    /// Locks the main file itself, which is made where there is none, unless that is done already.
+    /// Locks the main file itself, unless it is locked already; makes it if there is none.
     pub fn hold_main(&self) -> Result<(), StoreError> {
         let fail = |why| StoreError::Lock { path: self.path.clone(), why };
         if self.held().as_ref().is_some_and(|h| h.main.is_some()) {
@@ -96,7 +96,7 @@ impl Lock {
         let main =
             options.read(true).write(true).create(true).truncate(false).open(&self.path).map_err(fail)?;
         let key = FileKey::of(&self.path).map_err(fail)?;
-        // Elsewhere such a lock and those of SQLite would keep each other out.
+        // On other systems such a lock and those of SQLite would exclude each other.
         if cfg!(target_os = "linux") {
             lock(&main, &self.path, &self.path)?;
         }
@@ -107,46 +107,46 @@ impl Lock {
         Ok(())
     }
 
-    /// No lock at all, for programs that only read.
+    /// A lock that holds nothing, for programs that only read.
     pub fn none(path: &Path) -> Lock {
         Lock { path: path.into(), is_bare: false, found: None, run: Uuid::nil(), held: Mutex::new(None) }
     }
 
-    /// Gives the main file up, since it is moved away.
+    /// Releases the main file, since it is being moved away.
     pub fn let_main_go(&self) {
         if let Some(held) = &mut *self.held() {
             held.let_main_go();
         }
     }
 
-    /// The database, by the one name that leads to no link.
+    /// The path of the database with all links resolved.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether the main file was found by itself: nothing beside it says how far it had come.
+    /// Whether the main file was found alone: nothing beside it tells how far it had come.
     pub fn is_bare(&self) -> bool {
         self.is_bare
     }
 
-    /// Takes back the lock file that this made, so that the next start finds what this one found.
+    /// Removes the lock file that this lock made, so that the next start finds what this one found.
     pub fn leave_bare(&self) {
         if self.is_bare {
             let _ = std::fs::remove_file(beside(&self.path, "-lock"));
         }
     }
 
-    /// What the lock file said.
+    /// The record that was found in the lock file.
     pub fn found(&self) -> Option<&LockRecord> {
         self.found.as_ref()
     }
 
-    /// A name for what is written while this lock is held.
+    /// An id for everything written while this lock is held.
     pub fn run(&self) -> Uuid {
         self.run
     }
 
-    /// Notes that facts up to this one are durable. A record that cannot be written is an older one, which is as true.
+    /// Notes that steps up to this one are durable. If the write fails, the older record stays, which is also true.
     pub fn note(&self, last: i64) {
         if let Some(held) = &mut *self.held() {
             held.record.last = last;
@@ -154,14 +154,14 @@ impl Lock {
         }
     }
 
-    /// Makes what was noted outlast a loss of power.
+    /// Makes the record survive a loss of power.
     pub fn sync(&self) -> io::Result<()> {
         let side = self.held().as_ref().map(|h| h.side.try_clone()).transpose()?;
         side.map_or(Ok(()), |file| file.sync_data())
     }
 
-    /// Lets go. Said aloud, since a child process that is being started has a copy of each open file, and with it the
-    /// lock, for a moment.
+    /// Releases the lock. It is explicit, since a child process that is being started has a copy of each open file, and
+    /// with it the lock, for a moment.
     pub fn release(&self) {
         let Some(mut held) = self.held().take() else { return };
         held.record.closed = true;
@@ -211,7 +211,7 @@ fn lock(file: &File, database: &Path, name: &Path) -> Result<(), StoreError> {
     }
 }
 
-/// The path without links, also where there is no file at its end yet.
+/// The path with links resolved, even if no file is at its end yet.
 fn canonical(path: &Path) -> Result<PathBuf, StoreError> {
     let fail = |why| StoreError::Lock { path: path.into(), why };
     let mut path = path.to_owned();

@@ -1,7 +1,7 @@
-//! Names of people, apart from everything else, and what becomes of a person who is erased.
+//! Names of people, apart from everything else, and the erasure of a person.
 //!
 //! Main type: [`PersonRow`]. Deleted names are overwritten in the file, and the write-ahead log is emptied, since it
-//! still has the pages of before. Refuses: to forget encounters; who it was is taken out of them.
+//! still has the old pages. Refuses: to delete encounters; the person is removed from them.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
 use giveway_floor::id::WorkerId;
@@ -13,12 +13,12 @@ const ALL: &str = "SELECT pseudonym, name, since FROM people";
 const ADD: &str = "INSERT INTO people (pseudonym, name, since) VALUES ($1, $2, $3)";
 const FORGET: &str = "DELETE FROM people WHERE pseudonym = $1";
 
-/// Overwrites what is deleted. Only while names are written: for the journal it would cost too much.
+/// Overwrites deleted data. Only while names are written: for the journal it would cost too much.
 const OVERWRITE: &str = "PRAGMA secure_delete = ON";
 const LEAVE: &str = "PRAGMA secure_delete = OFF";
 const EMPTY_LOG: &str = "PRAGMA wal_checkpoint(TRUNCATE)";
 
-/// What lists say of a worker: `$1` is the number, `$2` the id on the wire, `$3` the time.
+/// Statements that remove a worker from lists: `$1` is the number, `$2` the id on the wire, `$3` the time.
 const LISTS: [&str; 6] = [
     "UPDATE encounters INDEXED BY encounters_of_worker SET worker = -1 WHERE worker >= 0 AND worker = $1",
     "UPDATE assignments INDEXED BY assignments_of_worker SET worker = NULL WHERE worker = $1",
@@ -30,10 +30,10 @@ const LISTS: [&str; 6] = [
     "UPDATE tokens SET name = 'device of ' || $2, revoked = coalesce(revoked, $3) WHERE subject = $2",
 ];
 
-/// A name, and what stands for it.
+/// A name and its pseudonym.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PersonRow {
-    /// What everything else calls this person.
+    /// The pseudonym that everything else uses for this person.
     pub pseudonym: String,
     /// The name.
     pub name: String,
@@ -45,7 +45,7 @@ impl Store {
     /// All names.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn people(&self) -> Result<Vec<PersonRow>, StoreError> {
         let rows = sqlx::query(ALL).fetch_all(&self.readers).await?;
         let read = |row: &SqliteRow| -> Result<PersonRow, sqlx::Error> {
@@ -55,10 +55,10 @@ impl Store {
         Ok(rows.iter().map(read).collect::<Result<_, _>>()?)
     }
 
-    /// Keeps a name.
+    /// Stores a name.
     ///
     /// # Errors
-    /// Where the database does not take it.
+    /// If the database refuses the write.
     pub async fn keep_name(&self, person: &PersonRow) -> Result<(), StoreError> {
         let mut connection = self.writer.acquire().await?;
         sqlx::query(OVERWRITE).execute(&mut *connection).await?;
@@ -69,10 +69,10 @@ impl Store {
         Ok(())
     }
 
-    /// Forgets a name, and who it was in all lists. Without a worker, only the name.
+    /// Erases a name, and the person's identity in all lists. Without a worker, only the name.
     ///
     /// # Errors
-    /// Where the database does not take that. Then nothing is forgotten, or it may be said again.
+    /// If the database refuses the write. Then nothing is forgotten, or it may be said again.
     pub async fn erase(
         &self,
         pseudonym: &str,

@@ -1,4 +1,4 @@
-//! What is noted for the record, as the journal has it.
+//! The journal's written form of notes that are recorded but change nothing.
 //!
 //! Main type: [`NoteRecord`]. Refuses: other facts.
 
@@ -8,7 +8,7 @@ use giveway_floor::id::{RobotId, WorkerId};
 use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 
-/// A [`FloorNote`] as it is written.
+/// The written form of a [`FloorNote`].
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
 pub(super) enum NoteRecord {
@@ -44,7 +44,7 @@ impl From<NoteRecord> for FloorNote {
         match record {
             NoteRecord::Replanned { robot, cause, of, was, now, at } => FloorNote::Replanned {
                 robot: RobotId(robot),
-                // A cause of a newer version is none that this one knows a name for.
+                // A cause of a newer version has no name here.
                 cause: ReplanCause::of(&cause, of).unwrap_or(ReplanCause::Obstruction),
                 was: spots(was),
                 now: spots(now),

@@ -2,9 +2,9 @@
 //! opened.
 //!
 //! Main function: [`take_up`]. Their robots are in the journal already, so the ledger is folded in the building as it
-//! was and written down anew with the kinds in it: a step, a snapshot behind it, and the emptied table are one
-//! transaction, and a kill leaves all of it or nothing. Refuses: kinds that cannot be, whose name the site has by
-//! now, or for which the map is not; it says so and leaves them out.
+//! was and written anew with the kinds in it: a step, a snapshot after it, and the emptied table are one transaction,
+//! and a kill leaves all of it or nothing. Refuses: invalid kinds, kinds whose name the site has by now, and kinds for
+//! which the map is not made; it reports them and leaves them out.
 
 use super::carry::kinds_of;
 use super::check::back_up;
@@ -23,11 +23,11 @@ const NAMES: &str = "SELECT name FROM kinds ORDER BY name";
 const TABLES: &str = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'kinds'";
 const STEP: &str = "INSERT INTO steps (seq, at, wire, run, facts, causes) VALUES ($1, $2, $3, $4, $5, '[]')";
 const SNAPSHOT: &str = "INSERT INTO snapshots (seq, at, wire, body) VALUES ($1, $2, $3, $4)";
-/// Older ones do not know of the kinds, and nothing may be folded from them.
+/// Older snapshots lack the kinds, and nothing may be folded from them.
 const FORGET: &str = "DELETE FROM snapshots WHERE seq < $1";
 const EMPTY: &str = "DELETE FROM kinds";
 
-/// The ledger with the kinds in it, and where it stands.
+/// The ledger with the kinds in it, and its step.
 struct TakenUp {
     /// The building for the kinds of the site as they were.
     base: Arc<Warehouse>,
@@ -38,10 +38,11 @@ struct TakenUp {
 }
 
 impl Store {
-    /// The names of kinds that are not facts yet: the database is of an earlier Giveway, and was not opened to write.
+    /// The names of kinds that are not facts yet: the database is of an earlier Giveway, and was not opened for
+    /// writing.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn old_kinds(&self) -> Result<Vec<String>, StoreError> {
         let tables: i64 = sqlx::query_scalar(TABLES).fetch_one(&self.readers).await?;
         if tables == 0 {
@@ -51,8 +52,8 @@ impl Store {
     }
 }
 
-/// Makes facts of the kinds in the table, if there are any. `map` is the one for the kinds of the site; `last` is the
-/// number of the last step. Gives that number as it is then.
+/// Turns the kinds in the table into facts, if there are any. `map` is made for the kinds of the site; `last` is the
+/// number of the last step. Gives the new number of the last step.
 pub(super) async fn take_up(
     db: &SqlitePool,
     path: &Path,
@@ -65,7 +66,7 @@ pub(super) async fn take_up(
     }
     let kinds: Vec<RobotKind> = rows.iter().filter_map(|(name, text)| readable(map, name, text)).collect();
     let Some(before) = (if last == 0 { Some(map.clone()) } else { floor::stored(db).await? }) else {
-        // The check that follows says that it has no map of its own.
+        // The check that follows reports that the database has no map of its own.
         return Ok(last);
     };
     if last > 0 {
@@ -84,7 +85,7 @@ pub(super) async fn take_up(
     Ok(taken.last + 1)
 }
 
-/// A kind as a row has it, if it can be one.
+/// The kind of a row, if it is a valid kind.
 fn readable(map: &Warehouse, name: &str, text: &str) -> Option<RobotKind> {
     if map.bodies().iter().any(|body| body.kind == name) {
         tracing::warn!("the added kind {name:?} is left out: the site's file has one of this name");
@@ -130,7 +131,7 @@ fn not_for_map(kind: &RobotKind, why: &impl std::fmt::Display) {
     tracing::warn!("the added kind {:?} is left out, since the map is not for it: {why}", kind.name);
 }
 
-/// Everything in one transaction. A database in which nothing was ever promised has no map of its own yet.
+/// Writes everything in one transaction. A database without any promise has no map of its own yet.
 async fn write(
     db: &mut SqliteConnection,
     taken: &TakenUp,

@@ -1,6 +1,6 @@
-//! What is found where a database should be: a whole one, none, or what is left of one.
+//! What is found where a database should be: a whole one, none, or the remains of one.
 //!
-//! Main type: [`Opening`]. A database that was here and is not, or that has fewer facts than were acknowledged, is not
+//! Main type: [`Opening`]. A database that was here and is gone, or that has fewer steps than were acknowledged, is not
 //! taken for a new one. Refuses: to start empty without being told so, and to delete anything.
 
 use super::carry::CarryOver;
@@ -17,14 +17,14 @@ pub(super) const SIDES: [&str; 2] = ["-wal", "-shm"];
 /// How to open a database.
 #[derive(Clone, Debug, Default)]
 pub struct Opening {
-    /// Start empty, though there are traces of a database: what is left of it is moved aside, and this becomes part of
-    /// its name.
+    /// Start empty, though there are traces of a database: its remains are moved aside, with this text as part of their
+    /// names.
     pub new: Option<String>,
-    /// Folders that are there only where a database was.
+    /// Folders that exist only where a database was.
     pub traces: Vec<PathBuf>,
-    /// Carry the database over where it belongs to another map; refuse it where this is not given.
+    /// How to carry the database over if it belongs to another map; without this it is refused.
     pub carry: Option<CarryOver>,
-    /// What is noted about the map.
+    /// The note about the map.
     pub note: MapNote,
 }
 
@@ -32,8 +32,8 @@ impl Store {
     /// Opens the database; see [`Store::open`].
     ///
     /// # Errors
-    /// Also where there are traces of a database that is not there, or the database has fewer facts than were
-    /// acknowledged, unless the caller wants a new one; and where a new one is wanted and there is a whole one.
+    /// Also if there are traces of a missing database, or the database has fewer steps than were acknowledged, unless
+    /// the caller wants a new one; and if the caller wants a new one where a whole one exists.
     pub async fn open_as(path: &Path, map: &Warehouse, opening: &Opening) -> Result<Store, StoreError> {
         let lock = Arc::new(Lock::take(path)?);
         let traces = traces(&lock, &opening.traces);
@@ -64,8 +64,8 @@ impl Store {
     }
 }
 
-/// Traces of a database that is not there, in words. An empty main file is none: SQLite makes that before anything
-/// else, and throws away a log that it finds beside it.
+/// Traces of a missing database, in words. An empty main file is no trace: SQLite makes it before anything else, and
+/// throws away a log that it finds beside it.
 fn traces(lock: &Lock, folders: &[PathBuf]) -> Vec<String> {
     let size = |path: &Path| std::fs::metadata(path).map_or(0, |m| m.len());
     let mut found = Vec::new();
@@ -87,7 +87,7 @@ fn traces(lock: &Lock, folders: &[PathBuf]) -> Vec<String> {
     found
 }
 
-/// Moves all that is left of a database aside, the main file first: nothing is left that could pass for a whole one.
+/// Moves all remains of a database aside, the main file first, so that the rest cannot pass for a whole one.
 pub(super) fn set_aside(lock: &Lock, folders: &[PathBuf], stamp: &str) -> Result<Vec<PathBuf>, StoreError> {
     lock.note(0);
     lock.let_main_go();
@@ -112,7 +112,7 @@ pub(super) fn set_aside(lock: &Lock, folders: &[PathBuf], stamp: &str) -> Result
     Ok(moved)
 }
 
-/// A dated name beside a file that nothing has yet.
+/// A dated path beside a file that is not in use yet.
 pub(super) fn free_name(path: &Path, stamp: &str) -> PathBuf {
     let name = |n: u32| if n == 0 { format!(".{stamp}") } else { format!(".{stamp}-{n}") };
     (0..).map(|n| beside(path, &name(n))).find(|p| !p.exists()).expect("some number is free")

@@ -1,6 +1,6 @@
 //! Lists about people: assignments and encounters, as the facts leave them.
 //!
-//! Refuses: names, which others give to ids.
+//! Refuses: names, since the caller gives them to ids.
 
 use super::gone::Gone;
 use super::listing::{Arm, Given, LOOKED_AT, Listing, Reach, RowCondition, TimeStatements, count, first};
@@ -23,11 +23,11 @@ const GIVE: &str = "UPDATE assignments SET worker = $2, updated = $3 WHERE id = 
 const MEET: &str = "INSERT INTO encounters (worker, robot, began, ended, x, y, radius, closest, \
     robot_speed, worker_speed, reaction, delay) \
     VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)";
-/// What is read of assignments, up to their numbers.
+/// The columns of assignments that are read, up to their numbers.
 const ASSIGNMENTS: &str = "SELECT id, worker, place, stay, what, key, state, created, updated \
     FROM assignments WHERE id IN (";
 const NEWEST_FIRST: &str = ") ORDER BY id DESC LIMIT ";
-/// The same statements as about jobs.
+/// The first statement that narrows a page by times, as for jobs; two more follow.
 const FIRST: &str = "SELECT id FROM assignments INDEXED BY assignments_by_acceptance \
     WHERE created >= $1 ORDER BY created, id LIMIT 1";
 const FIRST_OF_DAYS: &str = "SELECT min(id) FROM assignments INDEXED BY assignments_of_days \
@@ -35,23 +35,23 @@ const FIRST_OF_DAYS: &str = "SELECT min(id) FROM assignments INDEXED BY assignme
 const CHANGED: &str = "SELECT count(*) FROM (SELECT 1 FROM assignments INDEXED BY assignments_by_change \
     WHERE updated >= $1 LIMIT $2)";
 
-/// What is read of encounters, up to their numbers.
+/// The columns of encounters that are read, up to their numbers.
 const ENCOUNTERS: &str = "SELECT seq, worker, robot, began, ended, x, y, radius, closest, robot_speed, \
     worker_speed, reaction, delay FROM encounters WHERE seq IN (";
 const LATEST_FIRST: &str = ") ORDER BY seq DESC LIMIT ";
-/// The first encounter that ended at a time or later: they are recorded as they end.
+/// The first encounter that ended at a time or later: encounters are recorded as they end.
 const FIRST_ENDED: &str =
     "SELECT seq FROM encounters INDEXED BY encounters_by_end WHERE ended >= $1 ORDER BY ended, seq LIMIT 1";
-/// The last encounter of more than an hour that began before a time, and one more.
+/// One more than the last encounter of more than an hour that began before a time.
 const LAST_OF_HOURS: &str = "SELECT 1 + max(seq) FROM encounters INDEXED BY encounters_of_hours \
     WHERE ended - began > 3600000000 AND began < $1";
-/// How many began in a time, or ended at a time or later, as far as that matters.
+/// Number of encounters that began in a time, or ended at a time or later, counted up to a limit.
 const BEGAN: &str = "SELECT count(*) FROM (SELECT 1 FROM encounters INDEXED BY encounters_by_time \
     WHERE began >= $1 AND began < $2 LIMIT $3)";
 const ENDED: &str =
     "SELECT count(*) FROM (SELECT 1 FROM encounters INDEXED BY encounters_by_end WHERE ended >= $1 LIMIT $2)";
 
-/// What lasted longer has an index of its own (`encounters_of_hours`).
+/// Encounters that lasted longer than this have an index of their own (`encounters_of_hours`).
 const HOUR: Span = Span::from_secs(3600);
 
 /// All states of an assignment.
@@ -71,17 +71,17 @@ impl Store {
     /// One assignment.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn assignment(&self, id: AssignmentId) -> Result<Option<AssignmentRow>, StoreError> {
         let Ok(id) = i64::try_from(id.0) else { return Ok(None) };
         let row = one_assignment(id).build().fetch_optional(&self.readers).await?;
         row.map(|row| assignment(&row, &self.gone)).transpose()
     }
 
-    /// Some assignments, newest first.
+    /// A page of assignments, newest first.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn assignments(
         &self,
         q: &AssignmentQuery,
@@ -93,10 +93,10 @@ impl Store {
         Ok(Listed::cut(rows, q.limit, rest.map(|id| AssignmentId(id.unsigned_abs())), |row| row.id))
     }
 
-    /// Some encounters, newest first.
+    /// A page of encounters, newest first.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn encounters(&self, q: &EncounterQuery) -> Result<Listed<EncounterRow, i64>, StoreError> {
         let (listing, db) = (list_encounters(q, &self.reach(q).await?), &self.readers);
         let (rows, rest) = listing.read(db).await?;
@@ -104,7 +104,7 @@ impl Store {
         Ok(Listed::cut(rows, q.limit, rest, |row| row.seq))
     }
 
-    /// What the times of a query leave of the list of encounters.
+    /// The encounters that the times of a query allow.
     async fn reach(&self, q: &EncounterQuery) -> Result<EncounterReach, StoreError> {
         let db = &self.readers;
         let before = q.before.unwrap_or(i64::MAX);
@@ -134,18 +134,18 @@ impl Store {
     }
 }
 
-/// The statements that tell from times which assignments a page may have.
+/// The statements that narrow a page of assignments by times.
 pub(super) const ASSIGNMENT_TIMES: TimeStatements =
     TimeStatements { first: FIRST, first_of_days: FIRST_OF_DAYS, changed: CHANGED };
 
-/// One assignment.
+/// The query of one assignment.
 pub(super) fn one_assignment(id: i64) -> QueryBuilder<Sqlite> {
     let mut query = QueryBuilder::new(ASSIGNMENTS);
     query.push_bind(id).push(")");
     query
 }
 
-/// Where a page of assignments comes from; as with jobs.
+/// The source of a page of assignments, as for jobs.
 pub(super) fn list_assignments(q: &AssignmentQuery, reach: &Reach) -> Listing {
     let all = STATES.map(|state| state.word());
     let states = if q.states.is_empty() { &all[..] } else { &q.states };
@@ -178,14 +178,14 @@ pub(super) fn list_assignments(q: &AssignmentQuery, reach: &Reach) -> Listing {
     reach.listing((ASSIGNMENTS, NEWEST_FIRST), arms, conditions, q.limit + 1)
 }
 
-/// What times leave of the list of encounters; and, where they leave few, which range of an index.
+/// The encounters that times allow; and, if they are few, the range of an index to read.
 #[derive(Clone, Debug)]
 pub(super) struct EncounterReach {
     pub reach: Reach,
     pub range: Vec<(&'static str, i64)>,
 }
 
-/// Where a page of encounters comes from. They are in the order of their ends; when they began is a condition.
+/// The source of a page of encounters. They are in the order of their ends; their beginnings are a condition.
 pub(super) fn list_encounters(
     q: &EncounterQuery,
     EncounterReach { reach, range }: &EncounterReach,

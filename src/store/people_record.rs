@@ -1,4 +1,4 @@
-//! What is written down about people: parts of the journal's wire form.
+//! The written form of facts about people: parts of the journal's wire form.
 //!
 //! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
 
@@ -17,7 +17,7 @@ pub(super) struct AssignmentRecord {
     pub stay: i64,
     pub what: String,
     pub key: Option<String>,
-    /// Whose key it is.
+    /// The owner of the key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub owner: Option<u64>,
 }
@@ -32,7 +32,7 @@ pub(super) enum AssignmentStateRecord {
     Cancelled,
 }
 
-/// Where a worker was known to be, millimetres.
+/// The last known place of a worker, millimetres.
 #[derive(Serialize, Deserialize)]
 pub(super) struct LastPlaceRecord {
     pub at: (i64, i64),
@@ -69,7 +69,8 @@ pub(super) struct ClosureRecord {
     pub series: Option<u64>,
 }
 
-/// Whom a closure keeps out. Those from before people could be kept out bind robots alone, and still do.
+/// Whether a closure keeps out robots, people or both. Closures from before people could be kept out bind robots alone,
+/// and still do.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum BindsRecord {
@@ -105,7 +106,7 @@ impl From<BindsRecord> for Binds {
     }
 }
 
-/// What is closed again and again; the window of the area is that of the first occurrence.
+/// A recurring closure; the window of the area is that of the first occurrence.
 #[derive(Serialize, Deserialize)]
 pub(super) struct RecurringRecord {
     pub area: ClosureRecord,
@@ -154,7 +155,7 @@ impl From<RecurringRecord> for RecurringClosure {
     }
 }
 
-/// Lengths in millimetres, speeds in millimetres per second.
+/// An encounter: lengths in millimetres, speeds in millimetres per second.
 #[derive(Serialize, Deserialize)]
 pub(super) struct EncounterRecord {
     pub worker: u32,

@@ -1,8 +1,8 @@
-//! The map that was published to a running server, and the file in whose place it came.
+//! The map that was published to a running server, and the file that it replaced.
 //!
-//! Main types: [`PublishedMap`], [`MapNote`]. What is noted goes into the transaction in which the database goes over
-//! to the map: after a kill there is the old map, or the new one with its note. Refuses: to say which of the two a
-//! start takes; the server does.
+//! Main types: [`PublishedMap`], [`MapNote`]. The note is part of the transaction in which the database changes to the
+//! map: after a kill there is the old map, or the new one with its note. Refuses: to choose between the two at a start;
+//! the server does.
 
 use super::{ABOUT, AuditRow, Store, StoreError, audit};
 use giveway_floor::time::Time;
@@ -18,17 +18,17 @@ const FORGET: &str = "DELETE FROM about WHERE key = 'published'";
 /// Where the map of a database came from, if it was published.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PublishedMap {
-    /// Which one it is, counted from 1.
+    /// Number of the published map, counted from 1.
     pub number: u32,
-    /// When it was published.
+    /// When the map was published.
     pub at: Time,
-    /// Who did.
+    /// Who published it.
     pub by: String,
     /// The digest of the map file with which the server had been started; see [`map_digest`].
     pub file: String,
 }
 
-/// What the database has of it.
+/// The stored form of a published map's note.
 #[derive(Serialize, Deserialize)]
 struct PublishedRecord {
     number: u32,
@@ -37,24 +37,24 @@ struct PublishedRecord {
     file: String,
 }
 
-/// What is noted about the map where a database is opened.
+/// What to note about the map when a database is opened.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum MapNote {
-    /// What was noted stays.
+    /// Keep the earlier note.
     #[default]
     Keep,
-    /// It is published now, by this request.
+    /// The map is published now, by this request.
     Publish(PublishedMap, AuditRow),
-    /// It comes from a file again.
+    /// The map comes from a file again.
     Forget,
 }
 
-/// A digest over everything that the file of a map says.
+/// A digest over everything in a map file.
 pub fn map_digest(map: &Warehouse) -> String {
     Sha256::digest(json::write(map)).iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// Writes the note down, in the transaction of what it is about.
+/// Writes the note, in the transaction that it belongs to.
 pub(super) async fn note(db: &mut SqliteConnection, note: &MapNote) -> Result<(), StoreError> {
     match note {
         MapNote::Keep => {}
@@ -74,7 +74,7 @@ impl Store {
     /// Where the map came from, if it was published.
     ///
     /// # Errors
-    /// Where the database does not answer, or the note cannot be read.
+    /// If the database does not answer, or the note cannot be read.
     pub async fn published(&self) -> Result<Option<PublishedMap>, StoreError> {
         let text: Option<String> =
             sqlx::query_scalar(ABOUT).bind("published").fetch_optional(&self.readers).await?;

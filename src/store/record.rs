@@ -1,7 +1,7 @@
-//! Facts as they are written down: the versioned wire form of the journal.
+//! The written form of facts: the versioned wire form of the journal.
 //!
-//! Main types: `Record` with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused
-//! with another meaning: a journal outlives the program that wrote it. Refuses: to guess what a newer version means.
+//! Main types: `Record` with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused with
+//! another meaning: a journal outlives the program that wrote it. Refuses: to guess the meaning of a newer version.
 
 use super::written::Written;
 use giveway_cell::LineChange;
@@ -17,11 +17,11 @@ use giveway_floor::id::{
 use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 
-/// The version that this program writes. It reads this one and all later ones up to its own.
+/// The version that this program writes. It reads all versions from `OLDEST` to this one.
 ///
-/// It goes up when a record of an earlier version would be read with another meaning, or when a program that is out
-/// there would misread a new one: from the first release on, each kind of fact and each field that is added makes a new
-/// version. 1 was the form of databases with a row for each fact, which are refused; 3 has kinds of robots.
+/// It goes up when a record of an earlier version would be read with another meaning, or when a released program would
+/// misread a new one: from the first release on, each added kind of fact and each added field makes a new version. 1
+/// was the form of databases with a row for each fact, which are refused; 3 has kinds of robots.
 pub const VERSION: i64 = 3;
 
 /// The oldest version that this program reads.
@@ -30,15 +30,15 @@ const OLDEST: i64 = 2;
 /// Why a record cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// It was written by a newer program.
+    /// The record was written by a newer program.
     #[error(
         "it is in wire version {0}, this Giveway reads up to {VERSION}: use the newer Giveway that wrote it"
     )]
     Newer(i64),
-    /// It was written by a program from before the first release.
+    /// The record was written by a program from before the first release.
     #[error("it is in wire version {0}, this Giveway reads {OLDEST} and later: use another --database")]
     Older(i64),
-    /// It is damaged.
+    /// The record is damaged.
     #[error("it is damaged ({0}): restore the database from a backup")]
     Damaged(#[from] serde_json::Error),
 }
@@ -58,7 +58,7 @@ pub fn encode(facts: &[Fact]) -> String {
 /// The facts of one step from text.
 ///
 /// # Errors
-/// Where it was written by a newer program, or is damaged.
+/// If it was written by a newer program, or is damaged.
 pub fn decode(version: i64, text: &str) -> Result<Vec<Fact>, RecordError> {
     check_version(version)?;
     Ok(serde_json::from_str::<Vec<Record>>(text)?.into_iter().map(Fact::from).collect())
@@ -74,10 +74,10 @@ pub(super) fn check_version(version: i64) -> Result<(), RecordError> {
 }
 
 /// Makes the written form of facts from the list of all kinds: for each the tag, the fact, and the fields, which have
-/// the same names in both. A kind that the list lacks does not compile, in either direction.
+/// the same names in both. A kind missing from the list does not compile, in either direction.
 ///
-/// Facts in `rows` are an object whose field `fact` is the tag. Those in `of_job` have the tag `of_job`, and their own
-/// as `what`. The two that hold one record each have its fields beside the tag, and stand in the macro itself.
+/// Facts in `rows` are an object whose field `fact` is the tag. Facts in `of_job` have the tag `of_job`, and their own
+/// as `what`. The two that hold one record each have its fields beside the tag, and are in the macro itself.
 macro_rules! records {
     (
         of_job { $($of_job:ident = $job_kind:ident { $($job_field:ident: $job_type:ty),* })* }
@@ -85,7 +85,7 @@ macro_rules! records {
             $($(#[$attr:meta])* $field:ident: $type:ty),*
         })* }
     ) => {
-        /// A fact as it is written down.
+        /// The written form of a fact.
         #[derive(Serialize, Deserialize)]
         #[serde(tag = "fact", rename_all = "snake_case")]
         enum Record {
@@ -95,7 +95,7 @@ macro_rules! records {
             FloorNoted(<FloorNote as Written>::Form),
         }
 
-        /// What happened to a job besides coming to another state, as it is written down.
+        /// The written form of what happened to a job besides a change of state.
         #[derive(Serialize, Deserialize)]
         #[serde(tag = "what", rename_all = "snake_case")]
         enum JobFactRecord {
@@ -251,7 +251,7 @@ records! {
     }
 }
 
-/// Robots from before links had names are behind this one, and it is left out of what is written.
+/// The link of robots from before links had names; it is left out of the written form.
 pub(super) fn usual_link() -> String {
     USUAL_LINK.to_owned()
 }
@@ -260,7 +260,7 @@ pub(super) fn is_usual_link(link: &String) -> bool {
     link == USUAL_LINK
 }
 
-/// Robots from before there were kinds are of this one, and it is left out of what is written.
+/// The kind of robots from before there were kinds; it is left out of the written form.
 pub(super) fn usual_kind() -> String {
     USUAL_KIND.to_owned()
 }

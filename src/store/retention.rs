@@ -1,27 +1,26 @@
-//! What is deleted: steps that a snapshot stands for, what has long been over, and who it was.
+//! What is deleted: steps that a snapshot replaces, items that have long been over, and people's identities.
 //!
-//! Main function: `tidy`, which every append calls in its transaction. Each call deletes a bounded number of rows,
-//! so that no append waits long; SQLite uses the pages again. Refuses: to delete what is not over, and what a start
-//! may need.
+//! Main function: `tidy`, which every append calls in its transaction. Each call deletes a bounded number of rows, so
+//! that no append waits long; SQLite reuses the pages. Refuses: to delete what is not over, and what a start may need.
 
 use super::events::EVENTS_KEPT;
 use giveway_floor::time::{Span, Time};
 use sqlx::sqlite::SqliteConnection;
 
-/// So many steps are deleted at once, and so many events.
+/// Number of steps, and of events, deleted in one call.
 const SLICE: i64 = 200;
 
-/// So many rows of each list: more than come with an append, and few enough not to be noticed where a server was off
-/// for months.
+/// Number of rows of each list deleted in one call: more than an append adds, and few enough to go unnoticed after a
+/// server was off for months.
 const FEW: i64 = 50;
 
-/// Steps up to the older of the two snapshots.
+/// Deletes steps up to the older of the two snapshots.
 const STEPS: &str = "DELETE FROM steps \
     WHERE seq <= (SELECT seq FROM snapshots ORDER BY seq DESC LIMIT 1 OFFSET 1) \
     AND seq < (SELECT min(seq) FROM steps) + $1";
 
-/// Lists, by what is too old in them. Each names the index that has the oldest first: where nothing is too old, that is
-/// one look at its first entry.
+/// Delete what is too old in each list. Each statement names the index that has the oldest first: if nothing is too
+/// old, that is one look at its first entry.
 const LISTS: [&str; 6] = [
     "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs INDEXED BY jobs_over \
      WHERE state IN ('done', 'cancelled', 'failed') AND updated < $2 LIMIT $1)",
@@ -35,7 +34,7 @@ const LISTS: [&str; 6] = [
     "DELETE FROM audit WHERE id IN (SELECT id FROM audit WHERE id < $2 LIMIT $1)",
 ];
 
-/// Who it was, in rows that stay and that are over.
+/// Remove people's identities from rows that stay and are over, and delete their ended alarms.
 const PEOPLE: [&str; 3] = [
     "UPDATE encounters SET worker = -1 WHERE seq IN (SELECT seq FROM encounters \
      INDEXED BY encounters_of_somebody WHERE worker >= 0 AND began < $2 LIMIT $1)",
@@ -46,13 +45,13 @@ const PEOPLE: [&str; 3] = [
      WHERE cleared < $2 AND subject_kind = 'worker' LIMIT $1)",
 ];
 
-/// Events from the first one on, up to the first that is not too old: none is missing between those that are kept.
+/// Deletes events from the first one up to the first that is not too old, so that the kept ones have no gap.
 const EVENTS: &str = "DELETE FROM events WHERE seq < (SELECT min(seq) FROM events) + $1 \
     AND seq < coalesce((SELECT seq FROM events WHERE seq < (SELECT min(seq) FROM events) + $1 AND at >= $2 \
     ORDER BY seq LIMIT 1), 9223372036854775807)";
 
-/// Deletes some of what is too old `now`: what was over before the last `keep`, who it was before the last `people`,
-/// and steps that no start needs.
+/// Deletes some of what is too old at `now`: what was over before the last `keep`, identities from before the last
+/// `people`, and steps that no start needs.
 pub(super) async fn tidy(
     db: &mut SqliteConnection,
     now: Time,

@@ -1,6 +1,6 @@
-//! What happened to each robot: what the facts say of it alone, and its jobs and alarms with that in one list.
+//! What happened to each robot: facts about it alone, together with its jobs and alarms in one list.
 //!
-//! Main functions: [`Store::robot_events`], [`Store::robot_jobs`]. Refuses: names, which others give to ids.
+//! Main functions: [`Store::robot_events`], [`Store::robot_jobs`]. Refuses: names, since the caller gives them to ids.
 
 use super::events::read_details;
 use super::{Store, StoreError};
@@ -12,7 +12,7 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 const NOTE: &str = "INSERT INTO robot_changes (robot, at, what) VALUES ($1, $2, $3)";
 const COUNTS: &str = "SELECT done, failed FROM robot_tallies WHERE robot = $1";
-/// Of each list no more than the page has: all are read from the newest on.
+/// Takes from each list no more rows than the page has: all are read from the newest on.
 const EVENTS: &str = "SELECT at, source, id, word, text, ended FROM ( \
     SELECT * FROM (SELECT updated AS at, 1 AS source, id, state AS word, kind AS text, NULL AS ended \
     FROM jobs INDEXED BY jobs_by_worker WHERE worker = $1 AND updated <= $3 AND (updated, 1, id) < ($3, $4, $5) \
@@ -32,10 +32,10 @@ const EVENTS: &str = "SELECT at, source, id, word, text, ended FROM ( \
     ORDER BY at DESC, source DESC, id DESC LIMIT $8";
 
 impl Store {
-    /// What happened to a robot, newest first.
+    /// A page of what happened to a robot, newest first.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn robot_events(&self, q: &RobotEventQuery) -> Result<Vec<RobotEventRow>, StoreError> {
         let (at, source, id) = q.before.unwrap_or((Time(i64::MAX), RobotEventSource::Replan, i64::MAX));
         let rows = sqlx::query(EVENTS)
@@ -53,10 +53,10 @@ impl Store {
         Ok(rows?.into_iter().flatten().collect())
     }
 
-    /// How many jobs in the list a robot did, and could not do.
+    /// Number of listed jobs that a robot did, and that it failed.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn robot_jobs(&self, robot: RobotId) -> Result<RobotJobCounts, StoreError> {
         let row = sqlx::query(COUNTS).bind(robot.0).fetch_optional(&self.readers).await?;
         let Some(row) = row else { return Ok(RobotJobCounts::default()) };
@@ -65,7 +65,7 @@ impl Store {
     }
 }
 
-/// Writes down what a fact of a step at this time says of a robot alone.
+/// Writes what a fact of a step at this time says about a robot alone.
 pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) -> Result<(), sqlx::Error> {
     if let Some((robot, what)) = robot_change(fact) {
         sqlx::query(NOTE).bind(robot.map(|r| r.0)).bind(at.0).bind(what.word()).execute(db).await?;
@@ -73,7 +73,7 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) ->
     Ok(())
 }
 
-/// Nothing where the row is from a newer version.
+/// Reads a row; nothing if it is from a newer version.
 fn decode(row: &SqliteRow) -> Result<Option<RobotEventRow>, sqlx::Error> {
     let Some(source) = RobotEventSource::of_number(row.try_get("source")?) else { return Ok(None) };
     let text: Option<String> = row.try_get("text")?;

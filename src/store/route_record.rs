@@ -1,8 +1,8 @@
-//! Routes as they are written down: part of the wire form of journal and snapshots.
+//! The written form of routes: part of the wire form of journal and snapshots.
 //!
-//! Main types: the records named by `record` and `ledger_record`. Visits are arrays, since they are most of the
-//! bytes, and their times are counted from the first one, since that is half of the digits. Refuses: to stand
-//! alone; versions are `record`'s business.
+//! Main types: the records named by `record` and `ledger_record`. Visits are arrays, since they are most of the bytes,
+//! and their times are relative to the first one, which saves half of the digits. Refuses: to stand alone; versions are
+//! `record`'s business.
 
 use super::act_record::ActRecord;
 use giveway_fleet::{Booking, KeptRoute, Moved, Stop};
@@ -11,11 +11,11 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::timeline::{Shift, Visit};
 use serde::{Deserialize, Serialize};
 
-/// Enter; from there to arrive; from arrive to depart and to leave, nothing where that is for ever.
+/// Time of enter; from there to arrive; from arrive to depart and to leave, nothing where that is for ever.
 #[derive(Serialize, Deserialize)]
 struct TimesRecord(i64, i64, Option<i64>, Option<i64>);
 
-/// A visit: node, lane, stay, times, whether for a robot with a rack: all were, before robots were told apart.
+/// A visit: node, lane, stay, times, whether for a robot with a rack, as all were before robots were told apart.
 #[derive(Serialize, Deserialize)]
 pub(super) struct VisitRecord(
     u32,
@@ -29,23 +29,23 @@ fn with_rack() -> bool {
     true
 }
 
-/// A visit that has other times: serial, times.
+/// A visit with changed times: serial, times.
 #[derive(Serialize, Deserialize)]
 struct ShiftRecord(u64, TimesRecord);
 
-/// Robot, visits that moved.
+/// The moved visits of a robot: robot, visits that moved.
 #[derive(Serialize, Deserialize)]
 pub(super) struct MovedRecord(u32, Vec<ShiftRecord>);
 
-/// Robot, one past the last visit that stays, visits that moved.
+/// The kept visits of a robot: robot, one past the last visit that stays, visits that moved.
 #[derive(Serialize, Deserialize)]
 pub(super) struct KeptRecord(u32, u64, Vec<ShiftRecord>);
 
-/// Serial, act.
+/// A stop: serial of the visit, act.
 #[derive(Serialize, Deserialize)]
 pub(super) struct StopRecord(u64, ActRecord);
 
-/// Robot, kept serial, kept visit, visits after it, stops.
+/// A booking: robot, kept serial, kept visit, visits after it, stops.
 #[derive(Serialize, Deserialize)]
 pub(super) struct BookingRecord(u32, u64, VisitRecord, Vec<VisitRecord>, Vec<StopRecord>);
 
@@ -55,7 +55,7 @@ impl TimesRecord {
         TimesRecord(enter.0, (arrive - enter).0, after(depart), after(leave))
     }
 
-    /// Enter, arrive, depart, leave.
+    /// The times of enter, arrive, depart and leave.
     fn times(&self) -> [Time; 4] {
         let enter = Time(self.0);
         let arrive = enter + Span(self.1);

@@ -1,15 +1,14 @@
 //! The seal of a map: ids in the journal are positions in a map, so the journal belongs to that map alone.
 //!
-//! Main function: [`seal`]. Places belong to it, since which nodes get in each other's way follows from them: with a
-//! node that was moved, holds that were promised may overlap. Refuses: to notice changes that move no id and no
-//! meaning, such as a speed limit.
+//! Main function: [`seal`]. Positions are part of it, since they determine which nodes exclude each other: with a moved
+//! node, promised holds may overlap. Refuses: to notice changes that move no id and no meaning, such as a speed limit.
 
 use super::body_record::outlines;
 use giveway_floor::id::Dense;
 use giveway_floor::warehouse::{NodeKind, Warehouse};
 use sha2::{Digest, Sha256};
 
-/// A digest over everything that facts refer to by position, and where it is: nodes, lanes, stations and racks.
+/// A digest over everything that facts refer to by position, and its coordinates: nodes, lanes, stations and racks.
 pub fn seal(w: &Warehouse) -> String {
     let mut hash = Sha256::new();
     let mut line = |text: String| {
@@ -21,7 +20,7 @@ pub fn seal(w: &Warehouse) -> String {
         line(format!("node {} {} {} {}", n.name, purpose(n.kind), mm(n.at.x), mm(n.at.y)));
     }
     line(format!("footprint {}", (w.footprint_m * 1000.0).round() as i64));
-    // Kinds that take the map's square exclude one another as before there were others.
+    // Kinds that take the map's square are left out: they exclude one another as they did before there were kinds.
     for b in w.bodies().iter().filter(|b| b.footprints.iter().any(Option::is_some)) {
         line(format!("kind {} {}", b.kind, outlines(b)));
     }

@@ -1,13 +1,13 @@
-//! Sessions of browsers: digests of cookies, and the tokens or people for which they stand.
+//! Sessions of browsers: digests of cookies, and the tokens or people that they stand for.
 //!
-//! Main type: [`SessionRow`]. Refuses: more than [`MOST_EACH`] sessions of
-//! one token or person; that one's oldest end first, and nobody else's.
+//! Main type: [`SessionRow`]. Refuses: more than [`MOST_EACH`] sessions of one token or person; the oldest of that
+//! token or person end first.
 
 use super::{Store, StoreError};
 use giveway_floor::time::Time;
 use sqlx::Row;
 
-/// How many there may be of one token, or of one person.
+/// Largest number of sessions of one token, or of one person.
 pub const MOST_EACH: i64 = 100;
 
 const ALL: &str = "SELECT hash, token, name, role, created, expires FROM sessions";
@@ -21,15 +21,15 @@ const TIDY: &str = "DELETE FROM sessions WHERE expires <= $1 \
 /// What is kept of a session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionRow {
-    /// SHA-256 of what the cookie says, 32 bytes.
+    /// SHA-256 of the cookie, 32 bytes.
     pub hash: Vec<u8>,
-    /// SHA-256 of the token, 32 bytes; none if it stands for a person.
+    /// SHA-256 of the token, 32 bytes; empty if the session stands for a person.
     pub token: Vec<u8>,
-    /// The name and the role of that person.
+    /// Name and role of the person.
     pub person: Option<(String, String)>,
-    /// When somebody signed in.
+    /// When the session began.
     pub created: Time,
-    /// When it ends.
+    /// When the session expires.
     pub expires: Time,
 }
 
@@ -37,7 +37,7 @@ impl Store {
     /// All sessions.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
         let rows = sqlx::query(ALL).fetch_all(&self.readers).await?;
         let read = |row: &sqlx::sqlite::SqliteRow| -> Result<SessionRow, sqlx::Error> {
@@ -49,10 +49,10 @@ impl Store {
         Ok(rows.iter().map(read).collect::<Result<_, _>>()?)
     }
 
-    /// Keeps one more, and forgets those that are over.
+    /// Adds a session, and deletes those that are over.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn add_session(&self, new: &SessionRow) -> Result<(), StoreError> {
         let (name, role) = new.person.as_ref().map(|(name, role)| (name, role)).unzip();
         let mut tx = self.writer.begin_with("BEGIN IMMEDIATE").await?;
@@ -64,10 +64,10 @@ impl Store {
         Ok(())
     }
 
-    /// Ends one.
+    /// Ends a session.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn end_session(&self, hash: &[u8]) -> Result<(), StoreError> {
         sqlx::query(END).bind(hash).execute(&self.writer).await?;
         Ok(())

@@ -1,6 +1,6 @@
-//! A database whose last step is later than it is now, since the clock was wrong, goes on from now.
+//! Continues a database from now whose last step is in the future, since the clock was wrong.
 //!
-//! Main function: [`Store::set_clock`]. Refuses: to do so without a backup, and where it would lose a promise.
+//! Main function: [`Store::set_clock`]. Refuses: to do so without a backup, and if a promise would be lost.
 
 use super::carry::{CarriedOver, set_frames_aside};
 use super::check::back_up;
@@ -16,7 +16,8 @@ use std::sync::Arc;
 
 const WAIT_AGAIN: &str = "UPDATE jobs SET state = 'waiting', why = NULL, worker = NULL, updated = $1, \
     assigned_at = NULL, lifted_at = NULL, arrived_at = NULL WHERE id IN (SELECT value FROM json_each($2))";
-/// Lists of what happened keep their times; figures are known by theirs.
+/// Delete steps, snapshots and figures of the future. Lists of what happened keep their times; figures have theirs as
+/// keys.
 const FORGET: [&str; 4] = [
     "DELETE FROM steps WHERE $1 = $1",
     "DELETE FROM snapshots WHERE $1 = $1",
@@ -27,12 +28,12 @@ const NOTE: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ($1, 'yes')
 const SNAPSHOT: &str = "INSERT INTO snapshots (seq, at, wire, body) VALUES ($1, $2, $3, $4)";
 
 impl Store {
-    /// Lets the journal go on at `now`, before its last step: robots stand where they are, and the jobs that they had
-    /// wait again. Figures of the time to come are deleted, frames of the past set aside, and `stamp` becomes part of
-    /// the names of what is kept of before. Gives nothing, and changes nothing, where the last step is not later.
+    /// Continues the journal at `now`, before its last step: robots stand where they are, and the jobs that they had
+    /// wait again. Figures of the future are deleted, frames of the past set aside, and `stamp` becomes part of the
+    /// names of files kept from before. Gives nothing, and changes nothing, if the last step is not later.
     ///
     /// # Errors
-    /// Where the journal contradicts itself, or a promise would be lost.
+    /// If the journal contradicts itself, or a promise would be lost.
     pub async fn set_clock(
         &self,
         map: &Arc<Warehouse>,

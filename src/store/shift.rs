@@ -1,6 +1,6 @@
 //! What the lists say about a stretch of time, for reports.
 //!
-//! Main function: [`Store::shift`]. Refuses: figures, which others make of the rows.
+//! Main function: [`Store::shift`]. Refuses: figures, since the caller makes them from the rows.
 
 use super::people::encounter;
 use super::{Store, StoreError};
@@ -13,8 +13,8 @@ use sqlx::sqlite::SqliteRow;
 
 const ENDED: &str = "SELECT kind, state, station, created, deadline, arrived_at, ended_at FROM jobs \
     INDEXED BY jobs_by_end WHERE ended_at >= $1 AND ended_at < $2";
-/// Over a moment of picking, a job is in the list with its end, or is picking still. What ended later than an hour
-/// after the time was picked for longer than an hour, or began after it.
+/// At any moment of its picking, a job is listed with its end, or is still being picked. A pick that ended more than an
+/// hour after the time either took longer than an hour, or began after the time.
 const PICKING: &str = "SELECT station, sum(min(ended, $2) - max(began, $1)) FROM ( \
     SELECT station, arrived_at AS began, ended_at AS ended FROM jobs INDEXED BY jobs_by_end \
     WHERE ended_at > $1 AND ended_at <= $2 + 3600000000 AND arrived_at < $2 \
@@ -31,10 +31,10 @@ const ENCOUNTERS: &str =
     "SELECT * FROM encounters INDEXED BY encounters_by_time WHERE began >= $1 AND began < $2";
 
 impl Store {
-    /// What the lists say about the time from one moment to another; what is not over lasts until `now`.
+    /// What the lists say about the time from one moment to another; anything not over lasts until `now`.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn shift(&self, (from, to): (Time, Time), now: Time) -> Result<ShiftRows, StoreError> {
         let over = |statement: &'static str| sqlx::query(statement).bind(from.0).bind(to.0);
         let ended = over(ENDED).try_map(|row| ended_job(&row)).fetch(&self.readers).try_collect().await?;

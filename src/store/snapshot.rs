@@ -1,7 +1,7 @@
-//! Snapshots: the ledger after a step, so that a start need not read what led to it.
+//! Snapshots: the ledger after a step, so that a start need not read the steps that led to it.
 //!
-//! Main function: [`Store::snapshot`]. The last two are kept; the steps that led to the older one are deleted bit
-//! by bit with the appends that follow (`retention`). Refuses: a snapshot of anything but the last step.
+//! Main function: [`Store::snapshot`]. The last two are kept; the steps that led to the older one are deleted bit by
+//! bit with the appends that follow (`retention`). Refuses: a snapshot of anything but the last step.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError, ledger_record};
 use giveway_fleet::{Ledger, Parts};
@@ -9,8 +9,8 @@ use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqlitePool};
 
-/// After so many facts the ledger is to be written down: a start reads that, and no more than about so many facts. What
-/// that costs is measured in docs/robustness.md.
+/// Number of facts after which the ledger should be written: a start reads it, and about this many facts at most. The
+/// cost is measured in docs/robustness.md.
 pub const SNAPSHOT_AFTER: usize = 100_000;
 
 const NEWEST: &str = "SELECT seq, at, wire, body FROM snapshots ORDER BY seq DESC LIMIT 2";
@@ -26,12 +26,12 @@ pub(super) struct Snapshot {
 }
 
 impl Store {
-    /// Writes down the ledger after the step `seq`, which must be the last one.
+    /// Writes the ledger after the step `seq`, which must be the last one.
     ///
     /// # Errors
-    /// Where the database does not take it. Then nothing was written.
+    /// If the database refuses the write. Then nothing was written.
     pub async fn snapshot(&self, seq: i64, at: Time, parts: Parts) -> Result<(), StoreError> {
-        // Some megabytes of text are work: not on a thread on which others wait.
+        // Some megabytes of text are work: not on a thread on which other tasks wait.
         let encoded = tokio::task::spawn_blocking(move || ledger_record::encode(&parts));
         let body = encoded.await.expect("writing text does not break");
         let mut connection = self.writer.acquire().await?;
@@ -65,7 +65,7 @@ impl Store {
     }
 }
 
-/// The newest snapshot that can be read; nothing where there never was one.
+/// The newest snapshot that can be read; nothing if there never was one.
 pub(super) async fn newest(db: &SqlitePool, empty: &Ledger) -> Result<Option<Snapshot>, StoreError> {
     let mut first_error = None;
     for row in sqlx::query(NEWEST).fetch_all(db).await? {
@@ -74,7 +74,7 @@ pub(super) async fn newest(db: &SqlitePool, empty: &Ledger) -> Result<Option<Sna
         match ledger_record::decode(row.try_get(2)?, body, warehouse, kinds) {
             Ok(ledger) => return Ok(Some(Snapshot { seq, at: Time(at), ledger })),
             Err(why) => {
-                // The steps behind the one before are all there and say the same.
+                // The steps after the previous snapshot are all there and say the same.
                 tracing::warn!(seq, "a snapshot cannot be used: {why}");
                 first_error.get_or_insert(StoreError::Snapshot { seq, why });
             }

@@ -21,52 +21,52 @@ const APPEND: &str = "INSERT INTO steps (seq, at, wire, run, facts, causes) VALU
 /// What one step of the fleet recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepEntry {
-    /// When the step was.
+    /// Time of the step.
     pub at: Time,
-    /// What happened, in order.
+    /// The facts of the step, in order.
     pub facts: Vec<Fact>,
-    /// Which requests caused which of them. Not read back with the facts: [`Store::causes`] says it.
+    /// Which requests caused which facts. Not read back with the facts: use [`Store::causes`].
     pub causes: Vec<StepCause>,
 }
 
 /// What was promised when the database was opened.
 #[derive(Debug)]
 pub struct Loaded {
-    /// The ledger as the last snapshot has it; the one that was given where there is none.
+    /// The ledger of the last snapshot; the given one if there is none.
     pub ledger: Ledger,
-    /// The steps behind it.
+    /// The steps after that ledger.
     pub steps: Vec<StepEntry>,
-    /// When the last step was.
+    /// Time of the last step.
     pub last: Option<Time>,
-    /// The number that the next step gets.
+    /// The number of the next step.
     pub next: i64,
 }
 
 impl Loaded {
-    /// How many facts there are behind the ledger.
+    /// Number of facts after the ledger.
     pub fn facts(&self) -> usize {
         self.steps.iter().map(|s| s.facts.len()).sum()
     }
 
-    /// The ledger, and the facts behind it.
+    /// The ledger, and the facts after it.
     pub fn into_parts(self) -> (Ledger, impl Iterator<Item = Fact>) {
         (self.ledger, self.steps.into_iter().flat_map(|s| s.facts))
     }
 }
 
 impl Store {
-    /// The last ledger that was written down, and the steps behind it; where none was, the steps behind `empty`.
+    /// The ledger of the last snapshot and the steps after it; without a snapshot, `empty` and all steps.
     ///
     /// # Errors
-    /// Where the database does not answer, or something in it cannot be read: what was promised is not guessed.
+    /// If the database does not answer, or something in it cannot be read: promises are not guessed.
     pub async fn load(&self, empty: Ledger) -> Result<Loaded, StoreError> {
         load(&self.readers, empty).await
     }
 
-    /// Reads every step that is there: how many facts they have, and when the last one was.
+    /// Reads every step that is there. Gives their number of facts, and the time of the last one.
     ///
     /// # Errors
-    /// Where the database does not answer, or a step cannot be read.
+    /// If the database does not answer, or a step cannot be read.
     pub async fn scan(&self) -> Result<(usize, Option<Time>), StoreError> {
         let (mut facts, mut last) = (0, None);
         let mut rows = sqlx::query(STEPS).bind(0).fetch(&self.readers);
@@ -78,12 +78,13 @@ impl Store {
         Ok((facts, last))
     }
 
-    /// Writes steps and what they mean for the lists, all or none, while the files are still the database. `next` is
-    /// the number of the first one: where the journal has them already, since an earlier try succeeded unnoticed,
+    /// Writes steps and their effect on the lists, all or none, while the files are still the database. `next` is the
+    /// number of the first one: if the journal has the steps already, since an earlier attempt succeeded unnoticed,
     /// nothing is written.
     ///
-    /// # Errors Where the database does not take them. Then nothing was written, and it may be tried again
-    /// with the same steps unless [`StoreError::is_fatal`].
+    /// # Errors
+    /// If the database refuses the write. Then nothing was written, and the same steps may be tried again unless
+    /// [`StoreError::is_fatal`].
     pub async fn append(&self, next: i64, steps: &[StepEntry]) -> Result<(), StoreError> {
         self.place.check()?;
         debug_assert!(next > 0, "steps are numbered from 1");
@@ -92,7 +93,7 @@ impl Store {
         let mut connection = self.writer.acquire().await?;
         let result = self.write(&mut connection, next, steps).await;
         if let Err(e) = &result {
-            // On a full disk SQLite has rolled back by itself; then this says so, which is as good.
+            // On a full disk SQLite has rolled back by itself; then this statement fails, which is as good.
             let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
             if !e.leaves_connection_sound() {
                 let _ = connection.close().await;
@@ -105,8 +106,9 @@ impl Store {
         self.place.check()
     }
 
-    /// Writes steps in one transaction; whether there were events among them. Its statements are sent as they are:
-    /// sqlx counts transactions by itself, and loses count where SQLite rolls one back on its own, as on a full disk.
+    /// Writes steps in one transaction; gives whether there were events among them. Its statements are sent as they
+    /// are: sqlx counts transactions by itself, and loses count where SQLite rolls one back on its own, as on a full
+    /// disk.
     async fn write(
         &self,
         connection: &mut SqliteConnection,

@@ -1,4 +1,4 @@
-//! What the statements of the store cost on a database that has grown old.
+//! What the statements of the store cost on an old database.
 
 mod aged;
 mod plans;

@@ -1,8 +1,8 @@
 //! Named tokens: what is kept of each, which is never the token itself.
 //!
 //! Main types: [`TokenTable`], [`TokenRow`], [`TokenDraft`]. The table can be written beside a running server, which
-//! reads it again every second. Of those that no longer hold the newest are kept, so that the audit can be read.
-//! Refuses: two tokens of one name that both hold.
+//! reads it again every second. Of the tokens that are no longer valid the newest are kept, so that the audit can be
+//! read. Refuses: two valid tokens of one name.
 
 use super::{AuditRow, BUSY, Store, StoreError, audit};
 use giveway_floor::time::Time;
@@ -22,46 +22,46 @@ const ROTATE: &str = "UPDATE tokens SET hash = $2, created = $3 \
     WHERE id = $1 AND revoked IS NULL AND coalesce(expires > $3, true)";
 const USED: &str = "UPDATE tokens SET last_used = $2 WHERE id = $1";
 
-/// So many of those that no longer hold are kept.
+/// Number of invalid tokens that are kept.
 pub const MOST_OVER: i64 = 1_000;
 
 /// What is kept of a token.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TokenRow {
-    /// Its number.
+    /// Number of the token.
     pub id: i64,
-    /// Who uses it.
+    /// Name of the token's user.
     pub name: String,
-    /// The word of the role.
+    /// The word for the role.
     pub role: String,
-    /// The worker or robot that it speaks for.
+    /// The worker or robot that the token speaks for.
     pub subject: Option<String>,
     /// SHA-256 of the token, 32 bytes.
     pub hash: Vec<u8>,
-    /// When it was made, or made anew.
+    /// When the token was made or rotated.
     pub created: Time,
-    /// From when on it no longer holds.
+    /// When the token expires.
     pub expires: Option<Time>,
-    /// When it was revoked.
+    /// When the token was revoked.
     pub revoked: Option<Time>,
-    /// About when it was used last.
+    /// About when the token was used last.
     pub last_used: Option<Time>,
 }
 
-/// A token to be kept.
+/// A token to be stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TokenDraft {
-    /// Who uses it.
+    /// Name of the token's user.
     pub name: String,
-    /// The word of the role.
+    /// The word for the role.
     pub role: String,
-    /// The worker or robot that it speaks for.
+    /// The worker or robot that the token speaks for.
     pub subject: Option<String>,
     /// SHA-256 of the token.
     pub hash: [u8; 32],
-    /// When it is made.
+    /// When the token is made.
     pub created: Time,
-    /// From when on it no longer holds.
+    /// When the token expires.
     pub expires: Option<Time>,
 }
 
@@ -80,10 +80,10 @@ impl Store {
 }
 
 impl TokenTable {
-    /// Opens the table of a database that is there, also while a server has it.
+    /// Opens the table of an existing database, even while a server has it open.
     ///
     /// # Errors
-    /// Where the file cannot be opened.
+    /// If the file cannot be opened.
     pub async fn open(path: &Path) -> Result<TokenTable, StoreError> {
         let options = SqliteConnectOptions::new().filename(path).busy_timeout(BUSY);
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await;
@@ -91,24 +91,24 @@ impl TokenTable {
         Ok(TokenTable { readers: pool.clone(), writer: pool })
     }
 
-    /// Lets go of the file. Only for a table that was opened by itself.
+    /// Closes the file. Only for a table that was opened by itself.
     pub async fn close(self) {
         self.writer.close().await;
     }
 
-    /// Whether the database has such a table: one that only an earlier Giveway had has none.
+    /// Whether the database has the table: one that only an earlier Giveway had lacks it.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn is_there(&self) -> Result<bool, StoreError> {
         let tables: i64 = sqlx::query_scalar(TABLES).fetch_one(&self.readers).await?;
         Ok(tables > 0)
     }
 
-    /// All tokens in the order in which they were added, also those that no longer hold.
+    /// All tokens in the order in which they were added, including those that are no longer valid.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn all(&self) -> Result<Vec<TokenRow>, StoreError> {
         if !self.is_there().await? {
             return Ok(Vec::new());
@@ -120,16 +120,16 @@ impl TokenTable {
     /// One token.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn one(&self, id: i64) -> Result<Option<TokenRow>, StoreError> {
         let row = sqlx::query(ONE).bind(id).fetch_optional(&self.readers).await?;
         Ok(row.as_ref().map(read).transpose()?)
     }
 
-    /// Keeps one more. Its number; nothing where another one of this name holds.
+    /// Adds a token. Gives its number; nothing if another token of this name is valid.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn add(&self, new: &TokenDraft) -> Result<Option<i64>, StoreError> {
         // First, so that an error means that no token was added.
         sqlx::query(FORGET).bind(new.created.0).bind(MOST_OVER).execute(&self.writer).await?;
@@ -149,28 +149,28 @@ impl TokenTable {
         }
     }
 
-    /// Revokes one. Whether there was one that was not revoked.
+    /// Revokes a token. Gives whether it existed and was not revoked yet.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn revoke(&self, id: i64, now: Time) -> Result<bool, StoreError> {
         let done = sqlx::query(REVOKE).bind(id).bind(now.0).execute(&self.writer).await?;
         Ok(done.rows_affected() > 0)
     }
 
-    /// Puts another token in the place of one that holds. Whether there was such a one.
+    /// Puts another token in the place of a valid one. Gives whether there was a valid one.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn rotate(&self, id: i64, hash: [u8; 32], now: Time) -> Result<bool, StoreError> {
         let done = sqlx::query(ROTATE).bind(id).bind(&hash[..]).bind(now.0).execute(&self.writer).await?;
         Ok(done.rows_affected() > 0)
     }
 
-    /// Writes down that a token was made, renewed or revoked beside a server.
+    /// Writes to the audit that a token was made, renewed or revoked beside a server.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn note_audit(&self, row: &AuditRow) -> Result<(), StoreError> {
         let mut connection = self.writer.acquire().await?;
         Ok(audit::note(&mut connection, row).await?)
@@ -179,7 +179,7 @@ impl TokenTable {
     /// Notes when a token was used.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn note_use(&self, id: i64, at: Time) -> Result<(), StoreError> {
         sqlx::query(USED).bind(id).bind(at.0).execute(&self.writer).await?;
         Ok(())

@@ -1,4 +1,4 @@
-//! Webhooks: who wants to be told of events, how far each is, and what was given up.
+//! Webhooks: where events are sent, how far each webhook is, and what was given up.
 //!
 //! Main types: [`HookRow`], [`FailedRow`]. Refuses: to send anything.
 
@@ -8,7 +8,7 @@ use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
-/// So many messages that were given up are kept for each webhook.
+/// Number of given-up messages that are kept for each webhook.
 const MOST_FAILED: i64 = 1000;
 
 const ALL: &str =
@@ -30,21 +30,21 @@ const FAILED: &str = "SELECT id, first, last, at, attempts, error FROM webhook_f
 /// A webhook.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HookRow {
-    /// Its number.
+    /// Number of the webhook.
     pub id: i64,
-    /// Where messages go.
+    /// Address that messages are sent to.
     pub url: String,
-    /// Events of these kinds; of all kinds if there are none.
+    /// Kinds of events that are sent; all kinds if empty.
     pub kinds: Vec<EventKind>,
-    /// What messages are signed with.
+    /// Secret that messages are signed with.
     pub secret: String,
-    /// Since when it is.
+    /// When the webhook was added.
     pub created: Time,
     /// The number of the last event that was delivered or given up.
     pub cursor: i64,
-    /// How often the next message was tried.
+    /// Number of attempts to send the next message.
     pub attempts: u32,
-    /// The last event of that message, once it was tried in vain.
+    /// Number of the last event of that message, once an attempt has failed.
     pub pending: Option<i64>,
     /// Why the last attempt failed.
     pub failed: Option<String>,
@@ -53,15 +53,15 @@ pub struct HookRow {
 /// A message that was given up.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FailedRow {
-    /// Its number.
+    /// Number of the failure.
     pub id: i64,
-    /// The number of its first event.
+    /// Number of the message's first event.
     pub first: i64,
-    /// The number of its last event.
+    /// Number of the message's last event.
     pub last: i64,
-    /// When it was given up.
+    /// When the message was given up.
     pub at: Time,
-    /// How often it was tried.
+    /// Number of attempts.
     pub attempts: u32,
     /// Why the last attempt failed.
     pub error: String,
@@ -71,16 +71,16 @@ impl Store {
     /// All webhooks.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn webhooks(&self) -> Result<Vec<HookRow>, StoreError> {
         let rows = sqlx::query(ALL).fetch_all(&self.readers).await?;
         rows.iter().map(hook).collect()
     }
 
-    /// Adds a webhook that is told what happens from now on.
+    /// Adds a webhook that gets everything that happens from now on.
     ///
     /// # Errors
-    /// Where the database takes nothing, or its file was taken away.
+    /// If the database refuses the write, or its file was taken away.
     pub async fn add_webhook(
         &self,
         url: &str,
@@ -96,10 +96,10 @@ impl Store {
         hook(&row)
     }
 
-    /// Removes a webhook and what is known of its failures. Whether there was one of this number.
+    /// Removes a webhook and its failures. Gives whether there was one with this number.
     ///
     /// # Errors
-    /// Where the database takes nothing, or its file was taken away.
+    /// If the database refuses the write, or its file was taken away.
     pub async fn remove_webhook(&self, id: i64) -> Result<bool, StoreError> {
         self.check_place()?;
         let done = sqlx::query(REMOVE).bind(id).execute(&self.writer).await?;
@@ -107,28 +107,28 @@ impl Store {
         Ok(done.rows_affected() > 0)
     }
 
-    /// Notes that a webhook was told of everything up to this event.
+    /// Notes that a webhook has received everything up to this event.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn webhook_reached(&self, id: i64, cursor: i64) -> Result<(), StoreError> {
         sqlx::query(REACH).bind(id).bind(cursor).execute(&self.writer).await?;
         Ok(())
     }
 
-    /// Notes that a message that ends with this event was not taken, and why.
+    /// Notes that a message that ends with this event was not accepted, and why.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn webhook_missed(&self, id: i64, last: i64, why: &str) -> Result<(), StoreError> {
         sqlx::query(MISS).bind(id).bind(last).bind(why).execute(&self.writer).await?;
         Ok(())
     }
 
-    /// Gives the events from the first to the last one up, and goes on after them.
+    /// Gives up the events from the first to the last one, and continues after them.
     ///
     /// # Errors
-    /// Where the database takes nothing.
+    /// If the database refuses the write.
     pub async fn webhook_given_up(
         &self,
         id: i64,
@@ -143,10 +143,10 @@ impl Store {
         Ok(())
     }
 
-    /// Some messages of a webhook that were given up, newest first, before a number if there is one.
+    /// A page of given-up messages of a webhook, newest first, before a number if one is given.
     ///
     /// # Errors
-    /// Where the database does not answer.
+    /// If the database does not answer.
     pub async fn webhook_failures(
         &self,
         id: i64,

@@ -1,4 +1,4 @@
-//! How values are written down: identifiers and times as numbers, the rest as records.
+//! How values are written: identifiers and times as numbers, the rest as records.
 //!
 //! Main trait: [`Written`]. Refuses: to know which fields a fact has.
 
@@ -23,7 +23,7 @@ use giveway_floor::time::Time;
 
 /// A value that has a form in the journal.
 pub(super) trait Written: Sized {
-    /// What serde writes and reads.
+    /// The type that serde writes and reads.
     type Form;
     /// The value in that form.
     fn write(&self) -> Self::Form;
@@ -31,7 +31,7 @@ pub(super) trait Written: Sized {
     fn read(form: Self::Form) -> Self;
 }
 
-/// Values that are a number.
+/// Implements the form of values that are a number.
 macro_rules! as_numbers {
     ($($type:ident: $number:ty),*) => {
         $(impl Written for $type {
@@ -49,7 +49,7 @@ macro_rules! as_numbers {
 as_numbers!(RobotId: u32, NodeId: u32, RackId: u32, StationId: u32, WorkerId: u32, Time: i64);
 as_numbers!(JobId: u64, AssignmentId: u64, ClosureId: u64, SeriesId: u64);
 
-/// Values that serde writes as they are.
+/// Implements the form of values that serde writes as they are.
 macro_rules! as_they_are {
     ($($type:ty),*) => {
         $(impl Written for $type {
@@ -66,7 +66,7 @@ macro_rules! as_they_are {
 
 as_they_are!(u8, u64, usize, String);
 
-/// Values with a record, made from the value itself or from a reference to it.
+/// Implements the form of values with a record, made from the value itself or from a reference to it.
 macro_rules! as_records {
     ($($type:ty: $record:ty = $from:expr),* $(,)?) => {
         $(impl Written for $type {

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 
 const MINUTE: Span = Span::from_secs(60);
 
-/// Steps of SQLite in all calls of a store from now on.
+/// Counts the steps of SQLite in all calls of a store from now on.
 async fn count_steps(store: &Store) -> Arc<AtomicU64> {
     let steps = Arc::new(AtomicU64::new(0));
     let mut all = vec![store.writer.acquire().await.unwrap()];
@@ -37,14 +37,14 @@ async fn count_steps(store: &Store) -> Arc<AtomicU64> {
     steps
 }
 
-/// What a call costs.
+/// The cost of a call.
 struct Cost {
     what: &'static str,
     steps: u64,
     time: Duration,
 }
 
-/// What is asked of a store, beside appends: every list with every filter by itself, and reports.
+/// The queries of a store: every list with every filter by itself, and combined filters.
 struct ListQueries {
     jobs: Vec<(&'static str, JobQuery)>,
     /// Filters that no index answers together.
@@ -127,7 +127,7 @@ fn job_steps(first: i64, count: i64, at: Time) -> Vec<StepEntry> {
     (first..first + count).map(of).collect()
 }
 
-/// Calls everything, each so many times.
+/// Calls everything, each call `rounds` times.
 struct StoreCaller {
     store: Store,
     steps: Arc<AtomicU64>,
@@ -211,7 +211,7 @@ impl StoreCaller {
     }
 }
 
-/// What everything costs on a database.
+/// The cost of every call on a database.
 async fn costs(path: &Path, jobs: i64, rounds: u32) -> Vec<Cost> {
     let store = Store::open(path, &year::map()).await.unwrap();
     let steps = count_steps(&store).await;
@@ -227,11 +227,11 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// What is more work than it may be: half as much again as on a new database, or, for filters that no index answers
-/// together, so many rows that are looked at.
+/// The calls that cost too much: half as much again as on a new database, or, for filters that no index answers
+/// together, more than the rows that may be looked at.
 fn too_much(new: &[Cost], old: &[Cost]) -> Vec<String> {
     let mut mixed: Vec<&str> = asked().mixed.iter().map(|(what, _)| *what).collect();
-    // They are in the order of their ends: when they began is a condition.
+    // Encounters are in the order of their ends: their beginnings are a condition.
     mixed.push("encounters: to");
     let mut found = Vec::new();
     for (new, old) in new.iter().zip(old) {
@@ -258,9 +258,8 @@ async fn an_old_database_makes_no_more_work_than_a_new_one() {
     assert!(found.is_empty(), "{} of {}:\n{}", found.len(), new.len(), found.join("\n"));
 }
 
-/// Prints the table of docs/robustness.md. `GIVEWAY_HOURS` is how old the database is, a year if absent; with
-/// `GIVEWAY_YEAR`
-/// it stays in that file, and a server with `scenarios/kiva-100.json` opens it.
+/// Prints the table of docs/robustness.md. `GIVEWAY_HOURS` is the age of the database, a year if absent; with
+/// `GIVEWAY_YEAR` it stays in that file, and a server with `scenarios/kiva-100.json` opens it.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 #[ignore = "a measurement: half an hour and 15 GB of disk"]
 async fn a_year_of_100_robots() {

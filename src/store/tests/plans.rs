@@ -1,10 +1,10 @@
-//! No statement of the store reads more of a table that grows than it gives: SQLite says how it would carry each out.
+//! No statement of the store reads more of a growing table than it gives: SQLite explains how it would run each.
 //!
-//! No statement can escape. sqlx takes texts that are constants, a `QueryBuilder`, or what is wrapped in
-//! `AssertSqlSafe`; nothing else compiles. Here every constant that begins like a statement is found in the source and
-//! explained. What is no whole statement must be part of a page that a builder made; every builder is called with every
-//! set of filters, and a builder that is new is noticed. And the planner chooses nothing: a statement names the index
-//! that it needs, so that another index, or other data, cannot change its way.
+//! No statement can escape. sqlx takes constant texts, a `QueryBuilder`, or a text wrapped in `AssertSqlSafe`; nothing
+//! else compiles. Here every constant that begins like a statement is found in the source and explained. A text that is
+//! not a whole statement must be part of a page that a builder made; every builder is called with every set of filters,
+//! and a new builder is noticed. The planner chooses nothing: a statement names the index that it needs, so that
+//! another index, or other data, cannot change its plan.
 
 use super::year;
 use crate::listing::{LOOKED_AT, Reach};
@@ -18,7 +18,7 @@ use sqlx::{AssertSqlSafe, Connection, Row};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-/// Tables that do not grow with time, and why. All others do.
+/// Tables that do not grow with time, and why. All other tables do.
 const SMALL: [(&str, &str); 14] = [
     ("about", "a handful of keys"),
     ("gone", "names that maps had and lost"),
@@ -36,11 +36,11 @@ const SMALL: [(&str, &str); 14] = [
     ("webhooks", "32 at most"),
 ];
 
-/// Files whose statements run while nothing is served, each over a whole database: it goes over to another map, or its
-/// clock is set back.
+/// Files whose statements run while nothing is served, each over a whole database: to carry it over to another map, or
+/// to set its clock back.
 const OFFLINE: [&str; 2] = ["carry.rs", "set_clock.rs"];
 
-/// Other statements that read a table from one end, and why that is as much as they give.
+/// Other statements that read a table from one end, and why they read no more than they give.
 const WALKS: [(&str, &str); 11] = [
     (
         "SELECT what, count(*) FROM audit WHERE id >= $1 AND id <",
@@ -68,7 +68,7 @@ fn texts(source: &str) -> Vec<String> {
         match c {
             '/' if rest.peek() == Some(&'/') => while rest.next().is_some_and(|c| c != '\n') {},
             '\'' => {
-                // A letter such as '"', or a lifetime.
+                // A character literal such as '"', or a lifetime.
                 let letter = rest.next();
                 if letter == Some('\\') {
                     rest.next();
@@ -101,7 +101,7 @@ fn text(rest: &mut std::iter::Peekable<std::str::Chars<'_>>) -> String {
     text
 }
 
-/// The files of this crate, which alone talks SQL, that are not tests.
+/// The files of this crate, the only one with SQL, that are not tests.
 fn sources() -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![PathBuf::from(env!("CARGO_MANIFEST_DIR"))];
@@ -125,12 +125,12 @@ fn begins_like_a_statement(text: &str) -> bool {
     verbs.iter().any(|verb| text.starts_with(verb))
 }
 
-/// Every set of some filters.
+/// Every set of this many filters.
 fn every_set(filters: u32) -> impl Iterator<Item = Vec<bool>> {
     (0..1u32 << filters).map(move |bits| (0..filters).map(|i| bits >> i & 1 == 1).collect())
 }
 
-/// Every page of jobs, assignments, encounters and events that somebody can ask for.
+/// Every possible page of jobs, assignments, encounters and events.
 fn pages() -> Vec<String> {
     let at = Some(Time(5));
     let reach = |is_short, is_orderly| Reach { low: 0, before: 9, is_short, is_orderly };
@@ -202,14 +202,14 @@ fn pages() -> Vec<String> {
     found
 }
 
-/// What SQLite says of a statement; nothing where it is not a whole one.
+/// SQLite's plan of a statement; nothing for a text that is not a whole statement.
 async fn plan(db: &mut SqliteConnection, statement: &str) -> Result<Vec<String>, String> {
     let explained = AssertSqlSafe(format!("EXPLAIN QUERY PLAN {statement}"));
     let rows = sqlx::query(explained).fetch_all(db).await.map_err(|e| e.to_string())?;
     Ok(rows.iter().map(|row| row.get::<String, _>("detail")).collect())
 }
 
-/// What is wrong with a plan.
+/// The faults of a plan.
 fn wrong(statement: &str, plan: &[String], grow: &BTreeSet<String>) -> Vec<String> {
     let walks = WALKS.iter().any(|(begin, _)| statement.starts_with(begin));
     let mut found = Vec::new();
@@ -273,7 +273,7 @@ async fn no_statement_reads_more_of_a_table_that_grows_than_it_gives() {
     for path in sources() {
         let (source, file) =
             (std::fs::read_to_string(&path).unwrap(), path.file_name().unwrap().to_string_lossy());
-        // No other module talks SQL, as a test below says.
+        // No other module has SQL, as a test below checks.
         if OFFLINE.contains(&&*file) || !path.components().any(|c| c.as_os_str() == "store") {
             continue;
         }

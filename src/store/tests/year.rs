@@ -1,8 +1,8 @@
 //! A database as it is after a long time: what retention keeps, filled in by SQL.
 //!
 //! Main function: [`fill`]. The amounts are those of `scenarios/kiva-100.json` by the hour (docs/robustness.md), so
-//! that
-//! `--scenario scenarios/kiva-100.json` opens what was filled. Refuses: to be slow: indexes are made behind the rows.
+//! that `--scenario scenarios/kiva-100.json` opens the filled database. Refuses: to be slow: indexes are made after the
+//! rows.
 
 use crate::{Store, ledger_record};
 use giveway_fleet::{Job, JobKind, JobRequest, Ledger, RobotKind};
@@ -15,15 +15,15 @@ use sqlx::{AssertSqlSafe, Connection, Row};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The end of the time: when everything was written.
+/// The end of the time span: when everything was written.
 pub const NOW: Time = Time(1_830_000_000_000_000);
 
 const HOUR: i64 = 3_600_000_000;
 
-/// Jobs that are not over: the same number however old the database is.
+/// Number of jobs that are not over, however old the database is.
 pub const OPEN: i64 = 200;
 
-/// Rows by the hour.
+/// Number of rows per hour.
 struct Hourly {
     jobs: i64,
     assignments: i64,
@@ -34,7 +34,7 @@ struct Hourly {
     changes: i64,
 }
 
-/// What a hundred robots write; events are kept for a week.
+/// What a hundred robots write per hour; events are kept for a week.
 const HOURLY: Hourly = Hourly {
     jobs: 3_068,
     assignments: 60,
@@ -45,7 +45,7 @@ const HOURLY: Hourly = Hourly {
     changes: 100,
 };
 
-/// The floor that all of this is about.
+/// The floor that the database is about.
 pub fn map() -> Arc<Warehouse> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../maps/kiva.json");
     Arc::new(json::parse(&std::fs::read_to_string(file).unwrap()).unwrap())
@@ -108,11 +108,11 @@ const TALLY: &str = "INSERT OR REPLACE INTO robot_tallies (robot, done, failed) 
     sum(state = 'failed') FROM jobs WHERE worker IS NOT NULL GROUP BY worker";
 const SNAPSHOT: &str = "INSERT INTO snapshots (seq, at, wire, body) VALUES ($1, $2, $3, $4)";
 
-/// Steps in the journal, up to the last one, and its number.
+/// Number of steps in the journal, and the number of the last one.
 const JOURNAL: i64 = 2_000;
 pub const LAST: i64 = 50_000;
 
-/// Makes a database that has been in use for so many hours, with what is kept of them.
+/// Makes a database that has been in use for `hours` hours, with what is kept of them.
 pub async fn fill(path: &Path, hours: i64) -> i64 {
     let map = map();
     Store::open(path, &map).await.unwrap().close().await;
@@ -151,7 +151,7 @@ async fn rows_of(db: &mut SqliteConnection, map: &Warehouse, hours: i64) {
     for (statement, given) in lists {
         run(db, statement, &given).await;
     }
-    // As many as are kept.
+    // No more than are kept.
     let alarms = hours.min(20_000 / HOURLY.alarms);
     run(db, ALARMS, &of(alarms, HOURLY.alarms, &[])).await;
     run(db, STEPS, &[JOURNAL, LAST - JOURNAL, NOW.0, crate::record::VERSION]).await;
@@ -163,7 +163,7 @@ async fn rows_of(db: &mut SqliteConnection, map: &Warehouse, hours: i64) {
     run(db, TALLY, &[]).await;
 }
 
-/// How many, from when on, at which distance, and what else.
+/// The parameters of a statement: number of rows, time of the first, interval, and `more`.
 fn of(hours: i64, hourly: i64, more: &[i64]) -> Vec<i64> {
     let start = NOW.0 - hours * HOUR;
     [hours * hourly, start, HOUR / hourly].iter().chain(more).copied().collect()
@@ -174,7 +174,7 @@ async fn run(db: &mut SqliteConnection, statement: &'static str, given: &[i64]) 
     query.execute(db).await.unwrap();
 }
 
-/// A ledger that goes with the lists: so many jobs were accepted, of which the last ones wait.
+/// Writes a ledger that matches the lists: `jobs` jobs were accepted, of which the last ones wait.
 async fn snapshot(db: &mut SqliteConnection, map: &Arc<Warehouse>, jobs: i64) {
     let mut parts = Ledger::new(map.clone(), &[RobotKind::default()], false).to_parts();
     for id in jobs - OPEN + 1..=jobs {
