@@ -10,8 +10,8 @@ pub use outline::{OutlineFault, outline_area_m2};
 
 use nalgebra::{Point2, Vector2};
 
-/// No map reaches farther from its zero, and nothing on a floor is farther away, metres: the one limit for coordinates
-/// of maps, people, outlines and devices.
+/// Largest distance of anything on a floor from the map's zero, metres: the one limit for coordinates of maps, people,
+/// outlines and devices.
 pub const FARTHEST_M: f64 = 100_000.0;
 
 /// A point in the map frame, metres.
@@ -19,7 +19,7 @@ pub type Point = Point2<f64>;
 /// A displacement in the map frame, metres.
 pub type Vector = Vector2<f64>;
 
-/// A point rounded to millimetres: for what is written down and compared, where rounding must not matter.
+/// A point rounded to millimetres: for values that are stored and compared, where rounding must not matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Spot {
     /// Millimetres along x.
@@ -48,13 +48,13 @@ pub fn to_mm(metres: f64) -> i64 {
 /// Position and heading in the map frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Where, metres.
+    /// Position, metres.
     pub at: Point,
-    /// Where to, radians, anticlockwise from +x.
+    /// Direction, radians, anticlockwise from +x.
     pub heading: f64,
 }
 
-/// The straight piece between two points.
+/// The straight segment between two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// One end.
@@ -82,7 +82,7 @@ impl Segment {
         d.y.atan2(d.x)
     }
 
-    /// Distance of a point from the nearest one of the piece, metres.
+    /// Distance of a point from the nearest point of the segment, metres.
     pub fn distance_to(&self, p: Point) -> f64 {
         let along = self.b - self.a;
         let u = ((p - self.a).dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
@@ -94,7 +94,7 @@ impl Segment {
         (self.b - self.a).norm()
     }
 
-    /// The point at fraction `u` of the way.
+    /// The point at fraction `u` of the segment.
     pub fn point(&self, u: f64) -> Point {
         self.a + (self.b - self.a) * u
     }
@@ -156,7 +156,7 @@ pub fn inside(polygon: &[Point], p: Point) -> bool {
     odd
 }
 
-/// Whether a straight piece runs through the polygon, or begins or ends in it.
+/// Whether a straight segment runs through the polygon, or begins or ends in it.
 pub fn runs_through(polygon: &[Point], s: Segment) -> bool {
     let sides = (0..polygon.len()).map(|i| Segment { a: polygon[i], b: polygon[(i + 1) % polygon.len()] });
     inside(polygon, s.a) || inside(polygon, s.b) || sides.into_iter().any(|side| cross_inside(side, s))

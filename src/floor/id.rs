@@ -47,7 +47,7 @@ dense! {
     ArcId "a";
     /// A node or a lane, as a thing that is held: nodes first, then lanes.
     ResourceId "x";
-    /// A resource as robots with one footprint see it: what has a timeline of its own.
+    /// A resource as robots with one footprint see it: each has a timeline of its own.
     LineId "t";
     /// A kind of robots, as the building knows it.
     BodyId "b";
@@ -82,17 +82,17 @@ macro_rules! counted {
 }
 
 counted! {
-    /// A customer: whoever hands in jobs, as a digest of the name.
+    /// A customer that submits jobs, as a digest of the name.
     CustomerId "c";
     /// A job, numbered in the order of acceptance, starting at 1.
     JobId "j";
-    /// What a worker is to do, numbered in the order of acceptance, starting at 1.
+    /// An assignment of a worker, numbered in the order of acceptance, starting at 1.
     AssignmentId "as";
     /// A closed area, numbered in the order of marking, starting at 1.
     ClosureId "cl";
     /// A recurring closure, numbered in the order of marking, starting at 1.
     SeriesId "cs";
-    /// A place where a person may be going: goals come and go, so these are numbers and no positions.
+    /// A place where a person may be going: goals come and go, so these are numbers and not positions.
     GoalId "g";
 }
 
@@ -123,17 +123,17 @@ impl<I: Dense, T> IdVec<I, T> {
         I::at(self.items.len() - 1)
     }
 
-    /// How many.
+    /// Number of items.
     pub fn len(&self) -> usize {
         self.items.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no items.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
 
-    /// The item, or nothing where the id is out of range.
+    /// The item, or nothing if the id is out of range.
     pub fn get(&self, i: I) -> Option<&T> {
         self.items.get(i.ix())
     }

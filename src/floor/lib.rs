@@ -1,10 +1,10 @@
-//! The floor: what a warehouse is, and who holds which part of it when. Nothing here knows of people, jobs or robots
-//! that drive.
+//! The floor: what a warehouse is, and who holds which part of it when. Nothing here depends on people, jobs or moving
+//! robots.
 //!
 //! - [`time`], [`id`], [`text`], [`geometry`]: integer microseconds and half-open windows; one newtype per kind of
 //!   thing; names and tables as people write them, and every sentence for people, with a code of its own; metres and
 //!   radians in the map's frame.
-//! - [`warehouse`]: the building. Nodes, lanes, racks, stations; which of them get in each other's way; checks that
+//! - [`warehouse`]: the building. Nodes, lanes, racks, stations; which of them exclude each other; checks that
 //!   refuse a map on which robots could get stuck; formats.
 //! - [`timeline`]: which robot holds which resource when, and in which order.
 //! - [`route`]: the one search, over free windows.

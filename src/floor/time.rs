@@ -41,7 +41,7 @@ impl Time {
 impl Span {
     /// No time at all.
     pub const ZERO: Span = Span(0);
-    /// Longer than anything.
+    /// The longest span.
     pub const MAX: Span = Span(i64::MAX);
 
     /// `ms` milliseconds.
@@ -59,7 +59,7 @@ impl Span {
         Span((s * 1e6).round() as i64)
     }
 
-    /// Seconds.
+    /// The length in seconds.
     pub fn as_secs_f64(self) -> f64 {
         self.0 as f64 / 1e6
     }

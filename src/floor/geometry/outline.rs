@@ -1,4 +1,4 @@
-//! Whether an outline means what it seems to: corners in the order in which one walks round an area.
+//! Whether corners form a valid outline: in the order in which one walks around an area.
 //!
 //! Main function: [`outline_area_m2`]. Refuses: to put corners in order, which would be a guess.
 
@@ -7,24 +7,24 @@ use crate::text::sentence::requests;
 use crate::text::{Sentence, SentenceArg};
 use std::fmt;
 
-/// Less is no area, square metres: openings of cells are thin.
+/// Least area of an outline, square metres; small, since openings of cells are thin.
 const FLAT_M2: f64 = 1e-4;
 
-/// Why some corners are no outline.
+/// Why some corners are not an outline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OutlineFault {
-    /// It has so few corners, those that repeat the one before left out.
+    /// The outline has too few corners; this many remain without those that repeat the one before.
     Corners(usize),
-    /// This corner, from 1, is no number or farther away than any map reaches.
+    /// The corner with this number, from 1, is not finite or is farther away than any map reaches.
     Far(usize),
-    /// It encloses next to nothing, square metres.
+    /// The outline encloses next to nothing; its area in square metres.
     Flat(f64),
-    /// The sides that begin at these corners, from 1, cross, touch or lie on one another.
+    /// The sides that begin at these corners, counted from 1, cross, touch or overlap.
     Crosses(usize, usize),
 }
 
 impl OutlineFault {
-    /// What is wrong, and what to do.
+    /// The fault and its remedy.
     pub fn sentence(&self) -> Sentence {
         match self {
             OutlineFault::Corners(n) => requests::outline_corners(*n),
@@ -42,10 +42,10 @@ impl fmt::Display for OutlineFault {
 }
 
 /// The area inside an outline, square metres. A corner that repeats the one before, or the first one at the end, is
-/// passed over.
+/// skipped.
 ///
 /// # Errors
-/// Why it is no outline.
+/// Why the corners are not an outline.
 pub fn outline_area_m2(corners: &[Point]) -> Result<f64, OutlineFault> {
     let is_far = |p: &Point| [p.x, p.y].iter().any(|v| !v.is_finite() || v.abs() > FARTHEST_M);
     if let Some(i) = corners.iter().position(is_far) {
@@ -84,7 +84,7 @@ pub fn outline_area_m2(corners: &[Point]) -> Result<f64, OutlineFault> {
     }
 }
 
-/// Whether two pieces have a point in common.
+/// Whether two segments have a point in common.
 fn meet(s: Segment, t: Segment) -> bool {
     let turn = |a: Point, b: Point, c: Point| {
         let turn = (b - a).perp(&(c - a));
@@ -116,7 +116,7 @@ mod tests {
     fn outlines_in_order_have_their_area() {
         assert_eq!(area(&[(2.0, 4.0), (8.0, 4.0), (8.0, 9.0), (2.0, 9.0)]), Ok(30.0));
         assert_eq!(area(&[(0.0, 0.0), (0.0, 2.0), (2.0, 0.0)]), Ok(2.0), "clockwise");
-        // An L, and one that is closed by its first corner as GeoJSON has it, with a corner given twice.
+        // An L, and one that is closed by its first corner as in GeoJSON, with a corner given twice.
         assert_eq!(area(&[(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)]), Ok(3.0));
         assert_eq!(area(&[(0.0, 0.0), (2.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 0.0)]), Ok(2.0));
         // A corner on a straight side; far from the map's zero.
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(area(&[(2.0, 4.0), (8.0, 9.0), (8.0, 4.0), (2.0, 8.0)]), crosses, "a bow tie");
         assert_eq!(area(&[(0.0, 0.0), (4.0, 4.0), (4.0, 0.0), (0.0, 4.0)]), crosses, "one without area");
         for crossed in [
-            // A star, a bow tie whose crossing is a corner, a spike, a side that lies on another one, a pinched waist.
+            // A star, a bow tie whose crossing is a corner, a spike, a side that overlaps another one, a pinched waist.
             &[(0.0, 3.0), (2.0, -3.0), (-3.0, 1.0), (3.0, 1.0), (-2.0, -3.0)][..],
             &[(0.0, 0.0), (2.0, 2.0), (4.0, 4.0), (4.0, 0.0), (2.0, 2.0), (0.0, 4.0)],
             &[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (2.0, 5.0), (2.0, 2.0), (0.0, 2.0)],

@@ -1,8 +1,7 @@
-//! What people mean for the search: nodes that are closed, without entry or exit, slow, or with a soft cost for a
-//! while.
+//! How people affect the search: nodes that are closed, without entry or exit, slow, or with a soft cost for a while.
 //!
-//! Main types: [`Conditions`], [`Condition`], [`Effect`]. This is the only way in which people enter planning.
-//! Refuses: to know why a condition holds, beyond its cause.
+//! Main types: [`Conditions`], [`Condition`], [`Effect`]. This is the only way in which people enter planning. Refuses:
+//! to know why a condition holds, beyond its cause.
 
 use crate::geometry::Point;
 use crate::id::{ClosureId, Dense, IdVec, NodeId, RobotId, WorkerId};
@@ -14,26 +13,26 @@ use std::collections::BTreeMap;
 /// What causes a condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Cause {
-    /// A worker is there, or probably will be.
+    /// A worker is on the node, or probably will be.
     Worker(WorkerId),
     /// The area is closed, or will be.
     Closure(ClosureId),
-    /// A displaced robot stands there.
+    /// A displaced robot stands on the node.
     Robot(RobotId),
     /// Something stands on this node, as a robot that could not get there reported.
     Obstruction(NodeId),
-    /// It is on the way of somebody to a door while the building is evacuated.
+    /// The node is on a person's way to a door while the building is evacuated.
     Evacuation,
 }
 
-/// What holds on a node during a window.
+/// The effect of a condition on a node during a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effect {
     /// No robot may be there.
     Closed,
     /// No robot may come or go; a robot that stands there stays.
     NoEntryOrExit,
-    /// Being there is as bad as being this much later.
+    /// Being on the node costs as much as this much delay.
     SoftCost(Span),
     /// Robots drive no faster than this, without and with a rack, metres per second.
     Slow([f64; 2]),
@@ -42,39 +41,39 @@ pub enum Effect {
 /// One condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Condition {
-    /// When.
+    /// When the condition holds.
     pub window: Window,
-    /// What.
+    /// Its effect.
     pub effect: Effect,
     /// Its cause.
     pub cause: Cause,
 }
 
-/// Lets a robot leave. If it is too near to a worker already, it may go wherever it comes no nearer. If it is in a
-/// closed area already, it may go on.
+/// Permission for a robot to leave. A robot already too near to a worker may go wherever it comes no nearer. A robot
+/// already in a closed area may continue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exemption {
-    /// The worker, the closed area, the way out or the displaced robot that it leaves.
+    /// The worker, the closed area, the evacuation or the displaced robot that the robot may leave.
     pub from: Cause,
     /// Where the worker or the displaced robot is.
     pub at: Point,
-    /// How far from there the robot is, metres.
+    /// Distance of the robot from there, metres.
     pub distance_m: f64,
 }
 
-/// Coming nearer by this much does not count, metres.
+/// Approach that still counts as coming no nearer, metres.
 const NEARER_M: f64 = 0.15;
 
-/// All conditions at one moment. Those of announced closures last from step to step; those of people pass with it.
+/// All conditions at one moment. Those of announced closures last from step to step; those of people end with the step.
 #[derive(Clone, Debug, Default)]
 pub struct Conditions {
-    /// Of each node, lasting ones first.
+    /// Conditions of each node, lasting ones first.
     nodes: IdVec<NodeId, SmallVec<[Condition; 2]>>,
-    /// How many of a node's conditions last.
+    /// Number of lasting conditions of a node.
     lasting: BTreeMap<NodeId, usize>,
-    /// Nodes with passing ones.
+    /// Nodes with passing conditions.
     touched: Vec<NodeId>,
-    /// A bit for each node that is touched: the search asks for most nodes in vain, and this stays in the cache.
+    /// A bit for each node that has conditions: the search asks for most nodes in vain, and this stays in the cache.
     marks: Vec<u64>,
 }
 
@@ -83,7 +82,7 @@ pub static NO_PEOPLE: Conditions =
     Conditions { nodes: IdVec::new(), lasting: BTreeMap::new(), touched: Vec::new(), marks: Vec::new() };
 
 impl Conditions {
-    /// None yet, for a building.
+    /// No conditions yet, for a building.
     pub fn none(warehouse: &Warehouse) -> Conditions {
         let count = warehouse.nodes.len();
         let nodes = IdVec::filled(SmallVec::new(), count);
@@ -91,7 +90,7 @@ impl Conditions {
         Conditions { nodes, lasting: BTreeMap::new(), touched: Vec::new(), marks }
     }
 
-    /// Takes all passing ones back.
+    /// Removes all passing conditions.
     pub fn clear(&mut self) {
         for node in std::mem::take(&mut self.touched) {
             let lasting = self.lasting.get(&node).copied().unwrap_or(0);
@@ -100,7 +99,8 @@ impl Conditions {
         }
     }
 
-    /// Adds one that lasts until it is lifted, in order of causes. To be called while there are no passing ones.
+    /// Adds a condition that lasts until it is lifted, in order of causes. Call this while there are no passing
+    /// conditions.
     pub fn announce(&mut self, node: NodeId, condition: Condition) {
         debug_assert!(self.touched.is_empty(), "lasting conditions stand before all passing ones");
         let list = &mut self.nodes[node];
@@ -110,7 +110,7 @@ impl Conditions {
         self.mark(node, true);
     }
 
-    /// Takes the lasting ones of a cause back from a node. To be called while there are no passing ones.
+    /// Removes the lasting conditions of a cause from a node. Call this while there are no passing conditions.
     pub fn lift(&mut self, node: NodeId, cause: Cause) {
         debug_assert!(self.touched.is_empty(), "lasting conditions stand before all passing ones");
         let list = &mut self.nodes[node];
@@ -129,7 +129,7 @@ impl Conditions {
         *word = if is_touched { *word | bit } else { *word & !bit };
     }
 
-    /// Adds one that passes with the step. One of the same cause and effect that meets it is widened instead.
+    /// Adds a condition that ends with the step. One of the same cause and effect that meets it is widened instead.
     pub fn add(&mut self, node: NodeId, condition: Condition) {
         let lasting = self.lasting.get(&node).copied().unwrap_or(0);
         if self.nodes[node].len() == lasting {
@@ -151,7 +151,7 @@ impl Conditions {
         }
     }
 
-    /// Adds all passing ones of another set, which has no lasting ones.
+    /// Adds all passing conditions of another set, which has no lasting ones.
     pub fn include(&mut self, other: &Conditions) {
         debug_assert!(other.lasting.is_empty(), "lasting conditions are announced");
         for node in other.passing() {
@@ -159,24 +159,24 @@ impl Conditions {
         }
     }
 
-    /// Takes the passing ones of a cause back.
+    /// Removes the passing conditions of a cause.
     pub fn withdraw(&mut self, cause: Cause) {
         for node in &self.touched {
             self.nodes[*node].retain(|c| c.cause != cause);
         }
     }
 
-    /// Those of a node.
+    /// The conditions of a node.
     pub fn of(&self, node: NodeId) -> &[Condition] {
         if self.is_touched(node) { &self.nodes[node] } else { &[] }
     }
 
-    /// Whether a node has any.
+    /// Whether a node has conditions.
     pub fn is_touched(&self, node: NodeId) -> bool {
         self.marks.get(node.ix() / 64).is_some_and(|w| w >> (node.ix() % 64) & 1 != 0)
     }
 
-    /// Nodes with conditions that pass with the step.
+    /// Nodes with passing conditions.
     pub fn passing(&self) -> impl Iterator<Item = NodeId> {
         self.touched.iter().copied()
     }
@@ -187,17 +187,17 @@ impl Conditions {
         self.lasting.keys().copied().chain(passing)
     }
 
-    /// Whether there are any that pass with the step.
+    /// Whether there are passing conditions.
     pub fn has_passing(&self) -> bool {
         !self.touched.is_empty()
     }
 
-    /// Whether there are none at all.
+    /// Whether there are no conditions at all.
     pub fn is_empty(&self) -> bool {
         self.touched.is_empty() && self.lasting.is_empty()
     }
 
-    /// Those of a node that bind a robot with these exemptions.
+    /// The conditions of a node that bind a robot with these exemptions.
     pub fn binding<'a>(
         &'a self,
         node: NodeId,
@@ -218,14 +218,14 @@ impl Exemption {
     }
 }
 
-/// The earliest `t` from `from` on at which a move of `span` meets none of the windows, and until when it may
-/// be put off then.
+/// The earliest `t` from `from` on at which a move of `span` meets none of the windows, and until when it may be
+/// delayed from there.
 pub(super) fn no_entry_until(
     windows: impl Iterator<Item = Window> + Clone,
     mut from: Time,
     span: Span,
 ) -> (Time, Time) {
-    // Each window pushes at most once: after as many rounds as windows nothing moves any more.
+    // Each window pushes at most once, so the loop ends after as many rounds as there are windows.
     loop {
         let hit = windows.clone().find(|w| w.start() < from + span && from < w.end());
         match hit {

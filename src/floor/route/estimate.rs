@@ -1,9 +1,9 @@
-//! Lower bounds for the way to a goal: what it takes on an empty floor.
+//! Lower bounds on the time to a goal: the time on an empty floor.
 //!
 //! Main types: [`Estimates`] (a bounded cache of tables), [`Table`] (one goal). A table is a reverse Dijkstra over
-//! (node, arrival heading, motion) with circular buckets of a millisecond. Spans are rounded down, so the bounds
-//! stay admissible, and a closed lane never needs a table rebuilt: closures only lengthen ways. Refuses: to know
-//! about time windows.
+//! (node, arrival heading, motion) with circular buckets of a millisecond. Spans are rounded down, so the bounds stay
+//! admissible, and a closed lane never needs a table rebuilt: closures only lengthen routes. Refuses: to know about
+//! time windows.
 
 use super::motion::{MotionState, Pace};
 use crate::id::{ArcId, BodyId, Dense, NodeId};
@@ -12,10 +12,10 @@ use crate::warehouse::{NodeKind, Warehouse, Way};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Tables keep multiples of this, in sixteen bits.
+/// Tables keep multiples of this many milliseconds, in sixteen bits.
 const UNIT_MS: u32 = 8;
 const UNREACHABLE: u16 = u16::MAX;
-/// Memory for tables, bytes; the least recently used ones are dropped beyond it.
+/// Memory for tables, bytes; beyond it, the least recently used ones are dropped.
 const CACHE_BYTES: usize = 96 << 20;
 
 /// Lower bounds to one goal.
@@ -32,7 +32,7 @@ pub struct Estimates {
     pace: Arc<Pace>,
     offsets: Vec<u32>,
     nodes: Vec<NodeId>,
-    /// What leads into each state, without and with a rack.
+    /// The edges into each state, without and with a rack.
     into: [Into; 2],
     tables: BTreeMap<(NodeId, bool), (Arc<Table>, u64)>,
     clock: u64,
@@ -45,7 +45,7 @@ pub struct Estimates {
 struct Into {
     start: Vec<u32>,
     inner_end: Vec<u32>,
-    /// State before, milliseconds.
+    /// The state before, and the duration in milliseconds.
     edges: Vec<(u32, u32)>,
 }
 
@@ -72,7 +72,7 @@ pub(super) fn may_drive(
 }
 
 impl Estimates {
-    /// No tables yet.
+    /// An empty cache.
     pub fn new(warehouse: Arc<Warehouse>, body: BodyId, pace: Arc<Pace>) -> Estimates {
         let mut offsets = vec![0u32];
         let mut nodes = Vec::new();
@@ -87,7 +87,7 @@ impl Estimates {
         Estimates { warehouse, body, pace, offsets, nodes, into, tables, clock: 0, buckets, built: 0 }
     }
 
-    /// How many tables were computed so far.
+    /// Number of tables computed so far.
     pub fn built(&self) -> u64 {
         self.built
     }
@@ -123,7 +123,7 @@ impl Estimates {
         self.tables.retain(|_, (_, used)| *used > median);
     }
 
-    /// The bound from a node with an arrival heading; nothing where there is no way.
+    /// The bound from a node with an arrival heading; nothing if no route exists.
     pub fn bound(&self, table: &Table, node: NodeId, slot: u8, motion: MotionState) -> Option<Span> {
         let state = self.offsets[node.ix()] as usize
             + 2 * usize::from(slot)
@@ -140,8 +140,8 @@ impl Estimates {
         slots.filter_map(|s| self.bound(table, node, s, MotionState::Standing)).min()
     }
 
-    /// Reverse Dijkstra from standing at the goal, whatever the heading. What may not be driven through (storage with a
-    /// rack, the places of other stations) gets a value as a start, but nothing leads on from it.
+    /// Reverse Dijkstra from standing at the goal, with any heading. Nodes that may not be driven through (storage with
+    /// a rack, the places of other stations) get a value as a start, but nothing leads on from them.
     fn compute(&mut self, goal: NodeId, loaded: bool) -> Table {
         self.built += 1;
         let mut best = vec![u32::MAX; self.states()];
@@ -225,7 +225,7 @@ fn motion(rolling: u32) -> MotionState {
     if rolling == 1 { MotionState::Rolling } else { MotionState::Standing }
 }
 
-/// Turning and driving one arc, if that can be done with these gaits.
+/// Duration of turning and driving one arc, if that is possible with these gaits.
 fn step(pace: &Pace, arc: ArcId, slot: u8, loaded: bool, from: MotionState, to: MotionState) -> Option<Span> {
     let rolls = from == MotionState::Rolling || to == MotionState::Rolling;
     if rolls && !pace.can_roll() || from == MotionState::Rolling && !pace.is_straight(arc, slot) {

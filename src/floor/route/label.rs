@@ -1,21 +1,21 @@
-//! Labels of the search and where they are kept.
+//! Labels of the search and their storage.
 //!
-//! Main types: [`Label`], [`Labels`] (an arena with, per node, free window and stage, the list of labels that nothing
-//! dominates). Refuses: to know what labels are good for.
+//! Main types: [`Label`], [`Labels`] (an arena with, per node, free window and stage, the list of undominated labels).
+//! Refuses: to know what labels are good for.
 
 use super::motion::MotionState;
 use crate::id::{ArcId, NodeId};
 use crate::timeline::FreeWindow;
 
-/// "None" among label indices.
+/// Label index that means "none".
 pub(super) const NONE: u32 = u32::MAX;
-/// How many rolling labels of one node, free window, stage and heading are kept: they differ only in how long the start
-/// of their run can still be put off, and beyond a few that never decides anything.
+/// Number of rolling labels of one node, free window, stage and heading that are kept: they differ only in how long the
+/// start of their run can still be delayed, and beyond a few that never decides anything.
 const INTERVALS: usize = 4;
 /// The arrival heading of a robot that starts with a heading of its own.
 pub(super) const OWN_HEADING: u8 = u8::MAX;
 
-/// Being at a node in one of its free windows, with a heading and a motion.
+/// A state of the search: at a node in one of its free windows, with a heading and a motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Label {
     /// Earliest arrival (or readiness, after a stop), microseconds.
@@ -27,16 +27,16 @@ pub(super) struct Label {
     pub slot: u8,
     pub motion: MotionState,
     pub stage: u8,
-    /// Whether the window is one for a robot with a rack, where that makes a difference.
+    /// Whether the window is for a robot with a rack, where that makes a difference.
     pub loaded: bool,
     /// When the first goal was reached; zero before that.
     pub first: i64,
-    /// How long the drive to here took, microseconds.
+    /// Duration of the drive to here, microseconds.
     pub span: i64,
-    /// What the way to here costs beyond its time, microseconds.
+    /// Cost of the route to here beyond its time, microseconds.
     pub price: i64,
     pub dominated: bool,
-    /// The label before, or [`NONE`].
+    /// Index of the previous label, or [`NONE`].
     pub parent: u32,
     /// The arc driven to get here; nothing after a stop at a goal.
     pub arc: Option<ArcId>,
@@ -75,17 +75,17 @@ impl Label {
         }
     }
 
-    /// The same label with the time at which the first goal was reached.
+    /// This label with the time at which the first goal was reached.
     pub fn with_first(self, first: i64) -> Label {
         Label { first, ..self }
     }
 
-    /// The same label in a window for a robot with a rack, or in one for a robot without.
+    /// This label in a window for a robot with a rack, or for one without.
     pub fn with_room(self, loaded: bool) -> Label {
         Label { loaded, ..self }
     }
 
-    /// The same label with what the way to it took and cost.
+    /// This label with the duration and cost of the route to it.
     pub fn with_way(self, span: i64, price: i64) -> Label {
         Label { span, price, ..self }
     }
@@ -133,8 +133,8 @@ impl Labels {
         &self.arena[index as usize]
     }
 
-    /// Adds a label unless one of its list dominates it; those that it dominates are marked. `dominates(a, b)` says
-    /// whether `a` is as good as `b` in every respect.
+    /// Adds a label unless one of its list dominates it; labels that it dominates are marked. `dominates(a, b)` tells
+    /// whether `a` is at least as good as `b` in every respect.
     pub fn add(&mut self, label: Label, dominates: impl Fn(&Label, &Label) -> bool) -> Option<u32> {
         if self.used * 2 > self.slots.len() {
             self.grow();
@@ -161,7 +161,7 @@ impl Labels {
             }
             if dominates(&label, known) {
                 self.arena[i as usize].dominated = true;
-                // It is never looked at again: take it out of the list.
+                // A dominated label is never looked at again: take it out of the list.
                 match link {
                     NONE => head = after,
                     l => self.arena[l as usize].next = after,

@@ -27,66 +27,66 @@ use crate::timeline::{Overlay, Visit};
 use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
-/// One leg of what is wanted: drive there, stay that long.
+/// One leg of a query: drive to a goal and stay there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stage {
-    /// Where to.
+    /// The node to drive to.
     pub goal: NodeId,
     /// Whether a rack is carried on the way.
     pub loaded: bool,
-    /// Whether a rack is lifted there: from then on the robot takes the floor of one with a rack.
+    /// Whether a rack is lifted there: from then on the robot takes as much floor as one with a rack.
     pub lifts: bool,
-    /// How long to stay there before the next stage; at the last one, where the robot may stay for ever, it counts only
-    /// where the place is to be closed by hand.
+    /// How long to stay there before the next stage. At the last stage, where the robot may stay for ever, this counts
+    /// only if the place will be closed by hand.
     pub stay: Span,
 }
 
 impl Stage {
-    /// Going to a node without a rack, to stay.
+    /// A stage to a node without a rack, to stay there.
     pub fn to_stay(goal: NodeId) -> Stage {
         Stage { goal, loaded: false, lifts: false, stay: Span::ZERO }
     }
 }
 
-/// Whether room for a rack is held at a node that is visited on the way to a stage's goal: the robot comes with one, or
-/// lifts one there.
+/// Whether room for a rack is held at a node that is visited on the way to a stage's goal: the robot comes with a rack,
+/// or lifts one there.
 fn is_loaded_at(stages: &[Stage], node: NodeId, stage: usize) -> bool {
     let here = stages[stage..].iter().take_while(|s| s.goal == node).count();
     let on = &stages[stage..];
     on.iter().take(here + 1).any(|s| s.loaded) || on.iter().take(here).any(|s| s.lifts)
 }
 
-/// What is wanted.
+/// What a search should find.
 #[derive(Clone, Debug)]
 pub struct RouteQuery<'a> {
-    /// Where the robot is, or where what it has been granted ends: the visit that the route continues.
+    /// The visit that the route continues: where the robot is, or where its grants end.
     pub from: &'a Visit,
-    /// Its heading there, radians.
+    /// Heading of the robot there, radians.
     pub heading: f64,
-    /// When it can be ready to move there, at the earliest.
+    /// The earliest time at which it can be ready to move there.
     pub ready: Time,
-    /// Where it wants to go; the last goal must be free for ever from some time on.
+    /// The goals in order; the last one must be free for ever from some time on.
     pub stages: &'a [Stage],
-    /// How many labels may be expanded. A route found within the first half is the earliest one.
+    /// Number of labels that may be expanded. A route found within the first half is the earliest one.
     pub budget: u32,
-    /// What people mean for it.
+    /// Conditions on nodes, such as those for people.
     pub conditions: &'a Conditions,
-    /// Workers that the robot is too near to already and may move away from, and closed areas that it is in.
+    /// Workers that the robot is already too near to and may move away from, and closed areas that it is in.
     pub exemptions: &'a [Exemption],
 }
 
 /// A route: what to hold, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Route {
-    /// The visit it starts from, with its new departure.
+    /// The visit that the route starts from, with its new departure.
     pub kept: Visit,
     /// All visits after it; the last one never ends.
     pub visits: Vec<Visit>,
-    /// For each stage, after how many of `visits` its goal is reached; zero means at the start.
+    /// For each stage, the number of `visits` after which its goal is reached; zero means at the start.
     pub stops: Vec<usize>,
     /// When the last goal is reached.
     pub arrival: Time,
-    /// Labels expanded to find it.
+    /// Number of labels expanded to find the route.
     pub expansions: u32,
 }
 
@@ -103,11 +103,11 @@ impl Route {
 /// Why there is no route.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NoRoute {
-    /// Not even on an empty floor.
+    /// There is no route even on an empty floor.
     Unreachable,
-    /// Others are in the way for ever.
+    /// Other robots are in the way for ever.
     Blocked,
-    /// None was found within the budget.
+    /// No route was found within the budget.
     BudgetSpent,
 }
 
@@ -125,7 +125,7 @@ impl Planner {
         Planner::for_body(warehouse, BodyId(0), rules)
     }
 
-    /// A planner for robots of one kind: over lanes that are for it, with its footprints.
+    /// A planner for robots of one kind: over the lanes for that kind, with its footprints.
     pub fn for_body(warehouse: Arc<Warehouse>, body: BodyId, rules: Rules) -> Planner {
         let pace = Arc::new(Pace::new(&warehouse, rules));
         Planner {
@@ -135,21 +135,21 @@ impl Planner {
         }
     }
 
-    /// Lets the way ahead outweigh the way behind: `f = g + w·h` with `w = 1 + k·(1 − g/(g + h))`, which falls from
-    /// `1 + k` at the start to 1 at the goal (the dynamic weight of Ye et al., equation 2, which says no more
-    /// of `w` than that it falls). Zero, as a new planner has it, is the search as documented.
+    /// Weights the remaining time more than the elapsed time: `f = g + w·h` with `w = 1 + k·(1 − g/(g + h))`, which
+    /// falls from `1 + k` at the start to 1 at the goal (the dynamic weight of Ye et al., equation 2, which states no
+    /// more about `w` than that it falls). Zero, the value in a new planner, is the search as documented.
     ///
     /// With a weight, the objective is the last arrival alone, and a route takes at most `1 + k` times as long as the
     /// best one (prices included), unless it was found in a hurry (see [`RouteQuery::budget`]).
     ///
     /// # Panics
-    /// If the weight is negative or no number.
+    /// If the weight is negative or not a number.
     pub fn weigh(&mut self, k: f64) {
         assert!(k >= 0.0 && k.is_finite(), "a weight is not negative: {k}");
         self.weight = k;
     }
 
-    /// The durations it plans with.
+    /// The durations that the planner uses.
     pub fn pace(&self) -> &Arc<Pace> {
         self.estimates.pace()
     }
@@ -159,7 +159,7 @@ impl Planner {
         self.estimates.warehouse()
     }
 
-    /// Lower bounds.
+    /// The cache of lower bounds.
     pub fn estimates(&mut self) -> &mut Estimates {
         &mut self.estimates
     }
@@ -169,12 +169,12 @@ impl Planner {
     /// [`crate::timeline::Timeline::without`]).
     ///
     /// # Errors
-    /// Why there is none, or none within the budget.
+    /// Why there is no route, or none within the budget.
     pub fn plan(&mut self, ask: &RouteQuery<'_>, timeline: &Overlay<'_>) -> Result<Route, NoRoute> {
         search::plan(&mut self.estimates, &mut self.scratch, ask, timeline, self.weight)
     }
 
-    /// Labels that the last search expanded, whether or not it found a route.
+    /// Number of labels that the last search expanded, whether or not it found a route.
     pub fn expanded(&self) -> u32 {
         self.scratch.expanded()
     }

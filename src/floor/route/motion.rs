@@ -1,7 +1,7 @@
-//! How long robots take: kinematics, and the same as tables per arc.
+//! How long robots take: kinematics, and tables of durations per arc.
 //!
-//! Main types: [`Rules`] (what a move is), [`Kinematics`] (a real robot's figures), [`Pace`] (durations of every
-//! arc and turn of one warehouse). Refuses: to know where any robot is.
+//! Main types: [`Rules`] (what a move is), [`Kinematics`] (a real robot's figures), [`Pace`] (durations of every arc
+//! and turn of one warehouse). Refuses: to know where any robot is.
 //!
 //! Speeds are planned in two states, standing and rolling. A run of several lanes is driven as: speed up, cruise,
 //! brake. With speed `v` and acceleration `a` a run of length `L ≥ v²/a` takes `L/v + v/a`: the sum of its lanes at
@@ -13,7 +13,7 @@ use crate::id::{ArcId, Dense, IdVec, NodeId};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 
-/// Headings closer than this are straight on, radians.
+/// Headings closer than this count as straight on, radians.
 const STRAIGHT: f64 = 0.1;
 
 /// A robot's figures. Defaults: safety.md 1.5 (RAWSim-O's robots with a loaded acceleration of 0.5 m/s²).
@@ -21,19 +21,19 @@ const STRAIGHT: f64 = 0.1;
 pub struct Kinematics {
     /// Top speed without a rack, metres per second.
     pub speed_mps: f64,
-    /// Top speed with a rack.
+    /// Top speed with a rack, metres per second.
     pub speed_loaded_mps: f64,
     /// Acceleration and braking without a rack, metres per second squared.
     pub accel_unloaded_mps2: f64,
-    /// Acceleration and braking with a rack.
+    /// Acceleration and braking with a rack, metres per second squared.
     pub accel_loaded_mps2: f64,
-    /// Turning in place, radians per second.
+    /// Speed of turning in place, radians per second.
     pub turn_radps: f64,
-    /// Lifting a rack, or setting it down.
+    /// Time to lift a rack, or to set it down.
     pub lift: Span,
-    /// By how much a hold outlasts the moment in which the robot stands on the next node.
+    /// How long a hold outlasts the moment in which the robot stands on the next node.
     pub clearance: Span,
-    /// Delay from a grant's leaving to the robot's acting on it.
+    /// Delay from sending a grant until the robot acts on it.
     pub reaction: Span,
 }
 
@@ -63,13 +63,13 @@ impl Kinematics {
         if loaded { self.accel_loaded_mps2 } else { self.accel_unloaded_mps2 }
     }
 
-    /// Distance in which a robot at speed `v` comes to rest, metres.
+    /// Distance in which a robot at speed `v` (metres per second) comes to rest, metres.
     pub fn braking_m(&self, v: f64, loaded: bool) -> f64 {
         v * v / (2.0 * self.accel_mps2(loaded))
     }
 }
 
-/// What a move is.
+/// The model of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rules {
     /// Robots with inertia: a robot holds two nodes while it drives between them.
@@ -87,7 +87,7 @@ pub enum Rules {
 #[derive(Clone, Debug)]
 pub struct Pace {
     rules: Rules,
-    /// For each arc which of `drive` it is: floors have few different lanes, so the durations stay in the cache.
+    /// For each arc its index in `drive`: floors have few different lanes, so the durations stay in the cache.
     class: IdVec<ArcId, u16>,
     drive: Vec<[Span; 8]>,
     turn_start: Vec<u32>,
@@ -165,12 +165,12 @@ impl Pace {
         }
     }
 
-    /// From the end of one robot's hold on a node to the earliest stop of the next robot there.
+    /// Time from the end of one robot's hold on a node to the earliest stop of the next robot there.
     pub fn fastest_in(&self, node: NodeId, loaded: bool) -> Span {
         self.fastest_in[node][usize::from(loaded)]
     }
 
-    /// From the earliest departure to the earliest arrival at any next node.
+    /// Time from the earliest departure to the earliest arrival at any next node.
     pub fn fastest_out(&self, node: NodeId, loaded: bool) -> Span {
         self.fastest_out[node][usize::from(loaded)]
     }
@@ -190,13 +190,13 @@ impl Pace {
         matches!(self.rules, Rules::Drive(_))
     }
 
-    /// From node centre to node centre.
+    /// Duration of an arc from node centre to node centre.
     pub fn drive(&self, arc: ArcId, loaded: bool, from: MotionState, to: MotionState) -> Span {
         let i = usize::from(loaded) << 2 | usize::from(from == MotionState::Rolling) << 1;
         self.drive[usize::from(self.class[arc])][i | usize::from(to == MotionState::Rolling)]
     }
 
-    /// Turning in place from arrival heading `slot` of the arc's start to the arc.
+    /// Duration of turning in place from arrival heading `slot` of the arc's start to the arc.
     pub fn turn(&self, arc: ArcId, slot: u8) -> Span {
         self.turns[self.turn_start[arc.ix()] as usize + usize::from(slot)]
     }
@@ -211,13 +211,13 @@ impl Pace {
         self.rolls_on[arc.ix()]
     }
 
-    /// Turning in place between any two headings.
+    /// Duration of turning in place between any two headings.
     pub fn turn_between(&self, from: f64, to: f64) -> Span {
         turn_span(&self.rules, from, to)
     }
 
-    /// How long before leaving a node a rolling robot must be sure of the next one, since it could not stop any
-    /// more: the time of its braking distance at cruising speed, plus its reaction.
+    /// How long before leaving a node a rolling robot must be sure of the next one, since it could no longer stop: the
+    /// time of its braking distance at cruising speed, plus its reaction.
     pub fn lead(&self, loaded: bool) -> Span {
         match self.rules {
             Rules::Drive(k) => {
@@ -227,7 +227,7 @@ impl Pace {
         }
     }
 
-    /// What starting from rest costs at most, compared with rolling on.
+    /// The largest extra time for starting from rest, compared with rolling on.
     pub fn start_cost(&self, loaded: bool) -> Span {
         match self.rules {
             Rules::Drive(k) => {
@@ -237,7 +237,7 @@ impl Pace {
         }
     }
 
-    /// By how much a hold outlasts the arrival at the next node.
+    /// How long a hold outlasts the arrival at the next node.
     pub fn clearance(&self) -> Span {
         match self.rules {
             Rules::Drive(k) => k.clearance,
@@ -250,7 +250,7 @@ fn motion(rolling: bool) -> MotionState {
     if rolling { MotionState::Rolling } else { MotionState::Standing }
 }
 
-/// From node centre to node centre over a lane with a limit of speed.
+/// Duration from node centre to node centre over a lane with a speed limit.
 pub(super) fn drive_span(
     rules: &Rules,
     length: f64,

@@ -1,13 +1,13 @@
 //! Best-first search over free windows.
 //!
 //! Main function: [`plan`]. A label is (node, free window, arrival heading, motion, stage) with the earliest arrival
-//! and, while rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it
-//! rolls. Earlier arrival dominates while standing (heading differences paid by turning); while rolling, the
-//! wider interval does. The objective is lexicographic: earliest at the first goal, then earliest at the
-//! last. A second leg that must wait thus never sends the search back to the first one. With a weight
-//! ([`super::Planner::weigh`]) it is the last arrival, within a factor. Then estimates are no longer consistent,
-//! and a place may be reached again, sooner, after its label was expanded: nothing here takes an expanded label for
-//! the best one; the sooner one dominates it and is expanded, too. Refuses: any other objective.
+//! and, while rolling, the latest one too: a robot may delay the start of its run, but cannot wait while it rolls.
+//! Earlier arrival dominates while standing (heading differences paid by turning); while rolling, the wider interval
+//! does. The objective is lexicographic: earliest at the first goal, then earliest at the last. A second leg that must
+//! wait thus never sends the search back to the first one. With a weight ([`super::Planner::weigh`]) the objective is
+//! the last arrival, within a factor. Then estimates are no longer consistent, and a place may be reached again,
+//! sooner, after its label was expanded: no code here takes an expanded label for the best one; the sooner one
+//! dominates it and is expanded, too. Refuses: any other objective.
 
 mod constrained;
 
@@ -42,11 +42,11 @@ impl Scratch {
     }
 }
 
-/// Lower bounds of the arrivals at the first and at the last goal; among equals the label nearest to the
-/// goals first: where all must wait for the same window, the search walks straight up to it.
+/// Lower bounds of the arrivals at the first and at the last goal; among equals the label nearest to the goals first:
+/// if all must wait for the same window, the search goes straight up to it.
 type Open = BinaryHeap<Reverse<(i64, i64, i64, u32)>>;
 
-/// What one search looks at.
+/// The inputs of one search.
 struct Search<'a> {
     warehouse: &'a Warehouse,
     pace: &'a Pace,
@@ -55,14 +55,14 @@ struct Search<'a> {
     ask: &'a RouteQuery<'a>,
     tables: Vec<Arc<Table>>,
     goals: Vec<GoalWindows>,
-    /// Windows of the last goal that only a closure ends: which, and the latest arrival.
+    /// Windows of the last goal that only a closure ends: their indices, and the latest arrivals.
     brief: constrained::Brief,
     /// Lower bound from each goal to the next.
     between: Vec<i64>,
-    /// See [`Pace::start_cost`] and [`Pace::lead`], without and with a rack.
+    /// See [`Pace::start_cost`] and [`Pace::lead`]; without and with a rack.
     start_cost: [i64; 2],
     lead: [i64; 2],
-    /// The first timeline for a robot without a rack, and for one with one: the others follow by resources.
+    /// The first timeline for a robot without a rack, and for one with a rack: the others follow by resources.
     lines: [LineId; 2],
     /// For each stage, whether windows are for a robot with a rack, on the way and at its goal.
     room: SmallVec<[[bool; 2]; 4]>,
@@ -72,10 +72,10 @@ struct Search<'a> {
     anytime: bool,
 }
 
-/// By how much the way ahead outweighs the way behind once half of the budget is spent.
+/// By how much the remaining time outweighs the elapsed time once half of the budget is spent.
 const ANYTIME: i64 = 4;
 
-/// When a goal can be reached: `[first, last]` arrivals, in order.
+/// The times at which a goal can be reached: `[first, last]` arrivals, in order.
 struct GoalWindows(Vec<(i64, i64)>);
 
 impl GoalWindows {
@@ -86,16 +86,16 @@ impl GoalWindows {
     }
 }
 
-/// A way from a label to the next node, before windows are looked at.
+/// A move from a label to the next node, before windows are looked at.
 #[derive(Clone)]
 struct Hop {
     arc: ArcId,
     way: Way,
-    /// How it may end, and how long it takes then.
+    /// The possible motions at its end, each with the duration in microseconds.
     ends: SmallVec<[(MotionState, i64); 2]>,
-    /// Departures possible as far as the label is concerned.
+    /// Departures that the label allows.
     depart: (i64, i64),
-    /// The next node must be held this long before departure.
+    /// How long before departure the next node must be held.
     lead: i64,
 }
 
@@ -163,8 +163,8 @@ fn bounds_between(
         .collect()
 }
 
-/// For each stage, whether windows are looked at for a robot with a rack, on the way and at its goal. Where the kind of
-/// robots takes as much floor without one, it never matters.
+/// For each stage, whether windows are for a robot with a rack, on the way and at its goal. If the kind of robots takes
+/// as much floor without a rack, this never matters.
 fn room(warehouse: &Warehouse, body: BodyId, stages: &[Stage]) -> SmallVec<[[bool; 2]; 4]> {
     let differ = warehouse.footprint(body, false) != warehouse.footprint(body, true);
     let at =
@@ -172,7 +172,7 @@ fn room(warehouse: &Warehouse, body: BodyId, stages: &[Stage]) -> SmallVec<[[boo
     (0..stages.len()).map(at).collect()
 }
 
-/// The arrivals at each goal that its free windows allow. Where robots hold the next node while they drive, no robot
+/// The arrivals at each goal that its free windows allow. If robots hold the next node while they drive, no robot
 /// arrives sooner after a hold ends than the last lane takes, and none leaves faster than the first lane takes. Without
 /// this, every search to a busy station would try all ways of arriving in those seconds.
 fn goal_windows(
@@ -209,8 +209,8 @@ fn goal_windows(
 impl Search<'_> {
     fn start(&self, labels: &mut Labels, open: &mut Open) -> Result<(), NoRoute> {
         let node = self.ask.from.node;
-        // The window in which it came here must last until it can leave: a robot that is late may stand where another
-        // one is to pass before that, and must not be treated as if it had made way meanwhile.
+        // The window in which it came here must last until it can leave: a late robot may stand where another one will
+        // pass before that, and must not be treated as if it had made way meanwhile.
         let (came, ready) = (self.ask.from.arrive.min(self.ask.ready), self.ask.ready);
         let differ = self.room.iter().flatten().any(|room| *room);
         let loaded = differ && (self.ask.from.loaded || is_loaded_at(self.ask.stages, node, 0));
@@ -264,8 +264,8 @@ impl Search<'_> {
         Err(NoRoute::Blocked)
     }
 
-    /// Half of the budget is spent: from now on whatever is nearest to the goals goes first. A route found now
-    /// may not be the earliest one, but a robot that drives is better than one that asks again.
+    /// Switches to the labels nearest to the goals, since half of the budget is spent. A route found now may not be the
+    /// earliest one, but a robot that drives is better than one that asks again.
     fn search_anytime(&mut self, labels: &Labels, open: &mut Open) {
         self.anytime = true;
         let labels = open
@@ -318,7 +318,7 @@ impl Search<'_> {
         }
     }
 
-    /// When the robot can leave along `arc`, as far as its own motion and heading are concerned.
+    /// The departures along `arc` that the robot's own motion and heading allow.
     fn departures(&self, label: &Label, arc: ArcId) -> Option<(i64, i64)> {
         if label.motion == MotionState::Rolling {
             return self.pace.is_straight(arc, label.slot).then_some((label.lo, label.hi));
@@ -331,7 +331,7 @@ impl Search<'_> {
         Some((label.lo + turn.0, i64::MAX))
     }
 
-    /// Tries every free window of the next node that can be reached, and of the lane where it needs holding.
+    /// Tries every reachable free window of the next node, and of the lane where it needs holding.
     fn enter_gaps(&self, labels: &mut Labels, open: &mut Open, index: u32, label: &Label, hop: &Hop) {
         let node = hop.way.to;
         let latest = hop.depart.1.min(label.free.end.0);
@@ -382,7 +382,7 @@ impl Search<'_> {
         }
     }
 
-    /// Arrivals where both nodes are held while driving between them.
+    /// The arrivals if both nodes are held while driving between them.
     fn arrivals_overlapping(
         &self,
         label: &Label,
@@ -399,7 +399,7 @@ impl Search<'_> {
         (lo <= hi).then_some((lo, hi))
     }
 
-    /// Arrivals where nodes change hands in an instant; two robots must not change places.
+    /// The arrivals if nodes change hands in an instant; two robots must not change places.
     fn arrivals_instant(
         &self,
         label: &Label,
@@ -439,15 +439,15 @@ impl Search<'_> {
         }
     }
 
-    /// The bound of a label with the way ahead weighted: `g + h + k·h²/(g + h)`.
+    /// The bound of a label with a weighted remaining time: `g + h + k·h²/(g + h)`.
     fn weighted(&self, label: &Label, last: i64) -> i64 {
         let whole = last - self.ask.ready.0;
         let ahead = (last - label.price - label.lo) as f64;
         last + (self.weight * ahead * (ahead / whole.max(1) as f64)) as i64
     }
 
-    /// The earliest possible arrivals at the first and at the last goal, seen from a label, and how long the
-    /// rest takes without any waiting.
+    /// The earliest possible arrivals at the first and at the last goal from a label, and the duration of the rest
+    /// without any waiting.
     fn bound(&self, label: &Label) -> Option<(i64, i64, i64)> {
         let stage = usize::from(label.stage);
         let there = label.node == self.ask.stages[stage].goal && label.motion == MotionState::Standing;
@@ -478,7 +478,7 @@ impl Search<'_> {
             return false;
         }
         if a.motion != b.motion {
-            // A robot that stands there early enough can start so that it is nowhere later than one that rolls through.
+            // A robot that stands there early enough can start so that it is nowhere later than a rolling one.
             let loaded = usize::from(self.ask.stages[usize::from(a.stage)].loaded);
             return a.motion == MotionState::Standing
                 && a.slot == b.slot

@@ -52,7 +52,7 @@ fn drive() -> Rules {
 const PEBBLE: Rules = Rules::Pebble { step: Span(1_000_000), turns: false };
 const TURNS: Rules = Rules::Pebble { step: Span(1_000_000), turns: true };
 
-/// Holds of strangers: `(node, start, length)` in half seconds; those that clash are left out.
+/// A timeline with holds of other robots: `(node, start, length)` in half seconds; clashing ones are left out.
 fn strangers(warehouse: &Arc<Warehouse>, holds: &[(u32, i64, i64)], unit: i64) -> Timeline {
     let mut timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
     for (i, (node, from, length)) in holds.iter().enumerate() {
@@ -174,7 +174,7 @@ fn brute(warehouse: &Warehouse, pace: &Pace, timeline: &Timeline, goal: u32, ste
     (b.best < i64::MAX).then_some(b.best)
 }
 
-/// A route must fit between the holds of others, without touching the order of anything.
+/// Asserts that a route fits between the holds of others, without changing any order.
 fn assert_fits(timeline: &mut Timeline, route: &Route) {
     let own = RobotId(0);
     timeline.reserve(own, vec![start()]).expect("the start is free for ever or the search would have failed");
@@ -218,7 +218,7 @@ proptest! {
     }
 }
 
-/// Steps until `goal` is reached and free from then on; one step is a second.
+/// Number of steps until `goal` is reached and free from then on; one step is a second.
 fn breadth_first(warehouse: &Warehouse, timeline: &Timeline, goal: u32, turns: bool) -> Option<i64> {
     let free = |n: NodeId, t: i64| {
         let at = Time(t * 1_000_000);
@@ -280,7 +280,7 @@ fn two_pebbles_do_not_change_places() {
     let warehouse = grid(2, 1);
     let mut timeline = Timeline::new(warehouse.clone(), Span::ZERO);
     let second = Time(1_000_000);
-    // Another robot leaves node 1 for node 0 in the very step in which this one would go the other way.
+    // Another robot leaves node 1 for node 0 in the same step in which this one would go the other way.
     let other = vec![still(1, Time(0), second), still(0, second, Time::MAX)];
     timeline.reserve(RobotId(7), other).unwrap();
     let mut planner = Planner::new(warehouse, PEBBLE);
@@ -305,7 +305,7 @@ fn nobody_plans_through_a_robot_that_stays_for_ever() {
 fn a_late_robot_does_not_plan_over_one_that_is_to_pass_where_it_still_stands() {
     let warehouse = grid(4, 2);
     let mut planner = Planner::new(warehouse.clone(), drive());
-    // It came at 0 and was to be gone by 4; another one passes from 5 to 7, and now it is 8.
+    // It came at 0 and was due to leave by 4; another robot passes from 5 to 7, and now it is 8.
     let timeline = strangers(&warehouse, &[(0, 5, 2)], 1_000_000);
     let (from, stages) = (start(), [to(3)]);
     let late = |ready: i64| RouteQuery { ready: Time(ready * 1_000_000), ..ask(&from, &stages) };
@@ -372,7 +372,7 @@ fn bounds_never_exceed_what_the_search_finds_on_an_empty_floor() {
     }
 }
 
-/// Node 1 of a grid closed by hand.
+/// Conditions that close a node of a grid by hand.
 fn closed(warehouse: &Warehouse, node: u32, from_s: i64, until_s: i64) -> Conditions {
     let mut conditions = Conditions::none(warehouse);
     let window = Window::new(Time(from_s * 1_000_000), Time(until_s * 1_000_000));
@@ -423,7 +423,7 @@ fn a_route_may_end_where_it_will_be_closed_only_with_time_to_come_out() {
     assert!(arrival(35) >= Time(200_000_000), "it would not be out again");
 }
 
-/// A floor with room for detours, and holds of strangers on it.
+/// A floor with room for detours, with holds of other robots on it.
 fn crowded(holds: &[(u32, i64, i64)]) -> (Arc<Warehouse>, Timeline) {
     let warehouse = grid(6, 4);
     let holds: Vec<_> = holds.iter().copied().filter(|h| h.0 != 0).collect();
@@ -451,7 +451,7 @@ proptest! {
         let found = planner.plan(&ask(&from, stages), &timeline.view());
         prop_assert_eq!(found.is_ok(), plain.is_ok());
         if let (Ok(found), Ok(plain)) = (found, plain) {
-            // The plain search is best at the first goal; where there are two, at the last one it may be beaten.
+            // The plain search is best at the first goal; with two goals, it may be beaten at the last one.
             prop_assert!(found.arrival.0 as f64 <= (1.0 + weight) * plain.arrival.0 as f64 + 1.0);
             prop_assert!(two || found.arrival >= plain.arrival);
             assert_fits(&mut timeline, &found);
@@ -515,7 +515,7 @@ fn a_weighted_search_expands_less_on_a_floor_where_much_is_equal() {
     }
 }
 
-/// Nodes in a row, a metre apart, for robots that have room beside one another unless both have a rack.
+/// Nodes in a row, a metre apart, for robots that fit beside one another unless both have a rack.
 fn row_for_racks(n: usize) -> Arc<Warehouse> {
     let name = |i: usize| format!("n{i}");
     let nodes = (0..n).map(|i| DraftNode { name: name(i), at: Point::new(i as f64, 0.0) }).collect();

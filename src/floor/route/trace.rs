@@ -1,7 +1,7 @@
 //! From the last label of a search back to a route with times.
 //!
-//! Main function: [`route`]. Rolling labels carry intervals; which instant of theirs comes true is known only from
-//! the end: a run starts as late as its last window demands. Refuses: to search.
+//! Main function: [`route`]. Rolling labels carry intervals; the actual instant in each is known only from the end: a
+//! run starts as late as its last window demands. Refuses: to search.
 
 use super::label::{Label, Labels, NONE, OWN_HEADING};
 use super::motion::{MotionState, Pace};
@@ -11,7 +11,7 @@ use crate::time::{Span, Time};
 use crate::timeline::Visit;
 use crate::warehouse::Warehouse;
 
-/// A label with the time that came true.
+/// A label with its actual time.
 struct TracedLabel {
     label: Label,
     arrive: Time,
@@ -52,7 +52,7 @@ pub(super) fn route(
     Route { kept, visits, stops, arrival, expansions }
 }
 
-/// Labels from start to goal with the times that came true.
+/// The labels from start to goal with their actual times.
 fn moments(labels: &Labels, goal: u32) -> Vec<TracedLabel> {
     let last = *labels.get(goal);
     let mut moments = vec![TracedLabel { label: last, arrive: Time(last.lo) }];
@@ -70,8 +70,8 @@ fn moments(labels: &Labels, goal: u32) -> Vec<TracedLabel> {
     moments
 }
 
-/// Ends the last visit and appends the next one: driven with a rack or without, and held for a robot with one or
-/// without.
+/// Ends the last visit and appends the next one: driven with or without a rack, and held for a robot with or without
+/// one.
 fn drive(
     visits: &mut Vec<Visit>,
     (from, to): (&TracedLabel, &TracedLabel),

@@ -1,8 +1,8 @@
-//! Text that people and other programs hand in, and what is said to them: names of things, tables, sentences.
+//! Text that people and other programs submit, and what they are told: names of things, tables, sentences.
 //!
-//! [`sentence`] lists all sentences for people, each with a code. [`name_fault`] says which names cannot be told apart
-//! by eye; [`TextTable`] reads delimited text as spreadsheets and other programs write it. Refuses: to know what a name
-//! or a column is for.
+//! [`sentence`] lists all sentences for people, each with a code. [`name_fault`] finds names that cannot be told apart
+//! by eye; [`TextTable`] reads delimited text as spreadsheets and other programs write it. Refuses: to know the purpose
+//! of a name or a column.
 
 mod name;
 pub mod sentence;

@@ -1,7 +1,7 @@
 //! Names that people can tell apart: two names that look the same are the same.
 //!
-//! Main function: [`name_fault`]. Upper and lower case are seen, so `a1` and `A1` are two names; so are a wide and a
-//! narrow digit. Refuses: to change a name, which would be another one to whoever handed it in.
+//! Main function: [`name_fault`]. Upper and lower case differ visibly, so `a1` and `A1` are two names; so do a wide and
+//! a narrow digit. Refuses: to change a name, which would make it another one for its sender.
 
 use super::sentence::{Sentence, requests};
 use std::fmt;
@@ -10,22 +10,22 @@ use unicode_normalization::is_nfc;
 /// Why a name is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NameFault {
-    /// It is empty, or longer than this many characters.
+    /// The name is empty, or longer than this many characters.
     Length(usize),
-    /// It begins or ends with white space.
+    /// The name begins or ends with white space.
     Edge,
-    /// It has white space other than single plain blanks.
+    /// The name has white space other than single plain blanks.
     Blank(char),
-    /// It has a character that is not shown.
+    /// The name has a character that is not shown.
     Unseen(char),
     /// A letter is written as a base and a mark, though there is one character for both, or in another such form.
     Form,
-    /// A letter of another alphabet looks like a Latin one and stands beside Latin letters.
+    /// A letter of another alphabet looks like a Latin one and is next to Latin letters.
     Alphabet(char),
 }
 
 impl NameFault {
-    /// What is wrong, and what to do.
+    /// The fault and its remedy.
     pub fn sentence(&self) -> Sentence {
         let code = |c: &char| format!("U+{:04X}", u32::from(*c));
         match self {
@@ -46,7 +46,7 @@ impl fmt::Display for NameFault {
     }
 }
 
-/// What is wrong with a name of at most `longest` characters; nothing if it looks like no other name.
+/// The fault of a name of at most `longest` characters; nothing if it looks like no other name.
 pub fn name_fault(name: &str, longest: usize) -> Option<NameFault> {
     if name.is_empty() || name.chars().count() > longest {
         return Some(NameFault::Length(longest));
@@ -72,8 +72,8 @@ pub fn name_fault(name: &str, longest: usize) -> Option<NameFault> {
     mixed(&letters).map(NameFault::Alphabet)
 }
 
-/// Characters without a shape of their own: soft hyphens, joiners, marks of direction, fillers, selectors of variants,
-/// private and unassigned ones.
+/// Whether a character has no shape of its own: soft hyphens, joiners, marks of direction, fillers, variation
+/// selectors, private and unassigned characters.
 fn is_unseen(c: char) -> bool {
     matches!(c,
         '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}'..='\u{1160}' | '\u{17b4}'..='\u{17b5}'
@@ -82,7 +82,7 @@ fn is_unseen(c: char) -> bool {
         | '\u{fff0}'..='\u{ffff}' | '\u{1bca0}'..='\u{1bca3}' | '\u{1d173}'..='\u{1d17a}' | '\u{e0000}'..)
 }
 
-/// Whether a joiner stands between letters of a script that it joins or parts, as in Persian and Hindi: there it shows.
+/// Whether a joiner is between letters of a script that it joins or parts, as in Persian and Hindi: there it shows.
 fn joins(letters: &[char], i: usize) -> bool {
     let is_joined = |c: Option<&char>| c.is_some_and(|c| matches!(c, '\u{620}'..='\u{dff}'));
     let before = i.checked_sub(1).and_then(|b| letters.get(b));
@@ -92,7 +92,7 @@ fn joins(letters: &[char], i: usize) -> bool {
 /// Greek and Cyrillic letters that look like Latin ones.
 const LOOK_ALIKES: &str = "ΑΒΕΖΗΙΚΜΝΟΡΤΥΧανορυχАВЕЗІЈКМНОРСТУХаеіјорсухѕԁԛԝ";
 
-/// A look-alike in a run of letters that has Latin ones, too.
+/// A look-alike in a run of letters that also has Latin ones.
 fn mixed(letters: &[char]) -> Option<char> {
     letters.split(|c| !c.is_alphabetic()).find_map(|run| {
         let alike = run.iter().find(|c| LOOK_ALIKES.contains(**c))?;

@@ -1,32 +1,32 @@
 //! Delimited text (CSV) as spreadsheets and other programs write it: one reader for the program, and the same rules in
 //! the page (`web/src/jobs/table.ts`). `web/fixtures/tables.json` has the cases on which both agree.
 //!
-//! Main type: [`TextTable`]. The first line that has any cell names the columns. Refuses: tables of nothing, two
-//! columns of one name, a quote without its end, and text that is not UTF-8; never a line for what its cells say.
+//! Main type: [`TextTable`]. The first line that has any cell names the columns. Refuses: empty tables, two columns of
+//! one name, a quote without its end, and text that is not UTF-8; never a line because of its cells' content.
 
 use std::fmt;
 
 /// A table with named columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextTable {
-    /// Names of the columns; one without a name is empty.
+    /// Names of the columns; an unnamed column has an empty name.
     pub columns: Vec<String>,
-    /// The lines below, without those in which every cell is empty.
+    /// The lines below the names, without lines in which every cell is empty.
     pub rows: Vec<TextTableRow>,
 }
 
 /// A line of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextTableRow {
-    /// Where it begins in the text, from 1.
+    /// Number of the line in the text where the row begins, from 1.
     pub line: usize,
     /// A cell for each column.
     pub cells: Vec<String>,
-    /// How many cells it has where that is more than there are columns; else 0. Empty cells at the end do not count.
+    /// Number of cells if the row has more cells than columns; else 0. Empty cells at the end do not count.
     pub surplus: usize,
 }
 
-/// Why a text is no table.
+/// Why a text is not a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TableFault {
     /// No line has a cell.
@@ -37,7 +37,7 @@ pub enum TableFault {
     Twice(String),
     /// A quoted cell begins in this line and does not end.
     Unclosed(usize),
-    /// It has bytes that are no text.
+    /// The text is not valid UTF-8.
     NotText,
 }
 
@@ -55,19 +55,19 @@ impl fmt::Display for TableFault {
     }
 }
 
-/// Around a cell, this does not count.
+/// Characters that do not count at either end of a cell.
 const PADDING: [char; 4] = [' ', '\t', '\u{a0}', '\u{feff}'];
 
-/// What may part cells; of two that are equally frequent in the header, the first.
+/// Possible separators of cells; of two that are equally frequent in the header, the first.
 const SEPARATORS: [char; 3] = [',', ';', '\t'];
 
 impl TextTable {
-    /// Reads a table. Lines end with LF, CR LF or CR; a byte order mark is passed over; the separator is the most
-    /// frequent of comma, semicolon and tab in the header. A cell in quotes may have separators, line ends and,
-    /// doubled, quotes (RFC 4180). White space around a cell does not count.
+    /// Reads a table. Lines end with LF, CR LF or CR; a byte order mark is skipped; the separator is the most frequent
+    /// of comma, semicolon and tab in the header. A cell in quotes may have separators, line ends and, doubled, quotes
+    /// (RFC 4180). White space around a cell does not count.
     ///
     /// # Errors
-    /// What makes the text no table.
+    /// Why the text is not a table.
     pub fn read(text: &str) -> Result<TextTable, TableFault> {
         if text.contains(['\0', '\u{fffd}']) {
             return Err(TableFault::NotText);
@@ -95,13 +95,13 @@ impl TextTable {
         if rows.is_empty() { Err(TableFault::NoRows) } else { Ok(TextTable { columns, rows }) }
     }
 
-    /// The column of this name; upper and lower case are the same.
+    /// The column with this name, ignoring the case of ASCII letters.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|c| c.eq_ignore_ascii_case(name))
     }
 }
 
-/// Takes empty cells off the end, down to so many.
+/// Drops empty cells from the end, down to `least` cells.
 fn drop_empty_end(cells: &mut Vec<String>, least: usize) {
     while cells.len() > least && cells.last().is_some_and(String::is_empty) {
         cells.pop();
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
     use serde_json::{Value, json};
 
-    /// What the page's reader is asked, too.
+    /// The cases that the page's reader is also tested with.
     const CASES: &str = include_str!("../../../web/fixtures/tables.json");
 
     fn as_json(read: Result<TextTable, TableFault>) -> Value {

@@ -1,4 +1,4 @@
-//! Advances: a holder that need not wait as long as was planned goes on earlier, with all that it holds after that.
+//! Advances: a holder that need not wait as long as planned goes on earlier, with all that it holds after that.
 //!
 //! Main function: [`Timeline::advance`], the mirror of [`Timeline::delay`](super::Timeline::delay): it works out what
 //! moves, and `slide` moves it. Refuses: to change any order, and to move other holders; each of those advances by
@@ -10,8 +10,8 @@ use crate::time::{Span, Time};
 
 impl Timeline {
     /// What moves if the holder leaves its last granted visit at `depart` instead of later: that departure, and the
-    /// later visits, each as far as the one before it and no farther than to the end of what others hold there before
-    /// it. Nothing is changed; empty where nothing can be earlier.
+    /// later visits, each as far as the one before it and no farther than to the end of other holders' holds there
+    /// before it. Nothing is changed; the result is empty if nothing can be earlier.
     ///
     /// Time: each visit that moves once, and for each of them the entries before it on its resources.
     pub fn advance(&self, holder: RobotId, depart: Time) -> Vec<Shift> {
@@ -32,7 +32,7 @@ impl Timeline {
             let before = shifts.last_mut().expect("the last granted visit is first");
             (before.depart, before.leave) = (before.depart - by, before.leave - by);
             let shift = Shift::of(serial, visit);
-            // A robot that goes on as soon as it has come holds what is next from no earlier than where it is.
+            // A robot that continues as soon as it has come holds the next place from no earlier than the present one.
             let enter = (shift.enter - by).max(before.enter);
             shifts.push(Shift { enter, arrive: shift.arrive - by, ..shift });
         }

@@ -21,12 +21,12 @@ impl Chains {
         self.0.get_mut(holder.ix())?.as_mut()
     }
 
-    /// Whether a holder has one.
+    /// Whether a holder has a chain.
     pub fn contains_key(&self, holder: &RobotId) -> bool {
         self.get(holder).is_some()
     }
 
-    /// Gives a holder a chain in place of the one that it had.
+    /// Sets the chain of a holder in place of the earlier one.
     pub fn insert(&mut self, holder: RobotId, chain: Chain) {
         if self.0.len() <= holder.ix() {
             self.0.resize_with(holder.ix() + 1, || None);
@@ -34,12 +34,12 @@ impl Chains {
         self.0[holder.ix()] = Some(chain);
     }
 
-    /// Takes the chain of a holder away.
+    /// Removes the chain of a holder.
     pub fn remove(&mut self, holder: &RobotId) -> Option<Chain> {
         self.0.get_mut(holder.ix())?.take()
     }
 
-    /// All of them, in the order of holders.
+    /// All chains, in the order of holders.
     pub fn iter(&self) -> impl Iterator<Item = (RobotId, &Chain)> {
         self.0.iter().enumerate().filter_map(|(i, chain)| Some((RobotId::at(i), chain.as_ref()?)))
     }

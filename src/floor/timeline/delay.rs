@@ -11,7 +11,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::ops::Range;
 
-/// A visit that has other times now.
+/// A visit's new times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shift {
     /// Serial number of the visit.
@@ -38,19 +38,19 @@ impl Shift {
     }
 }
 
-/// Holders with those of their visits that move.
+/// Holders with their visits that move.
 pub type Slip = Vec<(RobotId, Vec<Shift>)>;
 
-/// Later departures that are still to be looked at, the earliest first.
+/// Later departures that are still to be processed, the earliest first.
 type Due = BinaryHeap<Reverse<(Time, RobotId, u64)>>;
 
 impl Timeline {
     /// What moves if the holder cannot leave the visit `serial` before `depart`: that departure, the holder's later
-    /// visits by what their slack does not absorb, and the windows of all holders that follow on the resources
-    /// concerned. Nothing is changed.
+    /// visits as far as their slack does not absorb it, and the windows of all holders that follow on the affected
+    /// resources. Nothing is changed.
     ///
-    /// Time: each moved visit once or a few times, in order of its new departure, and for each of them the
-    /// entries behind it on its resources.
+    /// Time: each moved visit once or a few times, in order of its new departure, and for each of them the entries
+    /// behind it on its resources.
     pub fn delay(&self, holder: RobotId, serial: u64, depart: Time) -> Slip {
         let mut draft = DelayDraft { timeline: self, moved: BTreeMap::new() };
         let mut due = BinaryHeap::from([Reverse((depart, holder, serial))]);
@@ -62,11 +62,11 @@ impl Timeline {
         draft.slip()
     }
 
-    /// Moves visits, exactly as told.
+    /// Moves visits exactly as given.
     ///
     /// # Panics
     /// If the order of holders on a resource would change, two holders would overlap, or a holder would leave a place
-    /// before it is elsewhere: the code that worked this out, or the record of it, is broken.
+    /// before it is elsewhere: then the code that computed the shifts, or the record of them, is broken.
     pub fn slide(&mut self, slip: &[(RobotId, &[Shift])]) {
         let mut touched: BTreeSet<LineId> = BTreeSet::new();
         for (holder, shifts) in slip {
@@ -90,14 +90,14 @@ impl Timeline {
         }
     }
 
-    /// Asserts that a visit overlaps with none of another holder.
+    /// Asserts that a visit overlaps with no visit of another holder.
     fn assert_alone(&self, holder: RobotId, serial: u64) {
         let visit = self.chains[&holder].get(serial).expect("it moved, so it is there");
         let clash = self.check(holder, std::slice::from_ref(visit));
         assert_eq!(clash, Ok(()), "{holder:?} cannot be late where another is");
     }
 
-    /// Brings the entries of a visit up to date without changing their place in any order.
+    /// Updates the entries of a visit without changing their place in any order.
     fn rewrite(&mut self, h: RobotId, s: u64, touched: &mut BTreeSet<LineId>) {
         let warehouse = self.warehouse.clone();
         let visit = self.chains[&h].get(s).expect("it moved, so it is there");
@@ -123,14 +123,14 @@ impl Timeline {
     }
 }
 
-/// A timeline with visits that are to move.
+/// A timeline with visits that will move.
 struct DelayDraft<'a> {
     timeline: &'a Timeline,
     moved: BTreeMap<(RobotId, u64), Visit>,
 }
 
 impl DelayDraft<'_> {
-    /// A visit as it will be.
+    /// A visit with its new times.
     fn visit(&self, h: RobotId, s: u64) -> Option<&Visit> {
         self.moved.get(&(h, s)).or_else(|| self.timeline.chains.get(&h)?.get(s))
     }
@@ -180,7 +180,7 @@ impl DelayDraft<'_> {
         s..end
     }
 
-    /// Demands later departures of all holders that come after this visit and would come too early now.
+    /// Demands later departures of all holders that come after this visit and would now come too early.
     fn push_followers(&self, h: RobotId, s: u64, due: &mut Due) {
         let Some(visit) = self.visit(h, s) else { return };
         let warehouse = &self.timeline.warehouse;
@@ -197,7 +197,7 @@ impl DelayDraft<'_> {
         }
     }
 
-    /// `other` may enter its visit `serial` no earlier than `at`, so it must leave the one before later.
+    /// Demands that `other` leaves the visit before `serial` later, since it may enter `serial` no earlier than `at`.
     fn demand(&self, other: RobotId, serial: u64, at: Time, due: &mut Due) {
         let chain = &self.timeline.chains[&other];
         let visit = self.visit(other, serial).expect("every hold belongs to a visit");
@@ -207,7 +207,7 @@ impl DelayDraft<'_> {
         due.push(Reverse((before.depart + late, other, serial - 1)));
     }
 
-    /// What differs from the timeline as it is.
+    /// The differences from the unchanged timeline.
     fn slip(self) -> Slip {
         let mut slip: Slip = Vec::new();
         for ((holder, serial), visit) in &self.moved {

@@ -1,6 +1,6 @@
-//! How visits stand in the timelines: what they hold, and which robots that keeps away.
+//! How visits are entered in the timelines: what they hold, and which robots that excludes.
 //!
-//! Main type: [`Context`] (what writing visits takes); main functions: [`claims`], [`for_each_hold`]. Refuses: to ask
+//! Main type: [`Context`] (what writing visits needs); main functions: [`claims`], [`for_each_hold`]. Refuses: to ask
 //! whether a place is free.
 
 use super::line::{Hold, Layer, Line};
@@ -10,7 +10,7 @@ use crate::time::{Span, Window};
 use crate::warehouse::{NodeKind, Warehouse};
 
 impl Timeline {
-    /// What writing and erasing the visits of a holder takes.
+    /// What writing and erasing the visits of a holder needs.
     pub(super) fn context<'a>(&self, warehouse: &'a Warehouse, holder: RobotId) -> Context<'a> {
         debug_assert!(
             self.chain(holder).is_none_or(|c| !c.absent || c.visits.len() == 1),
@@ -46,7 +46,7 @@ impl Timeline {
     }
 }
 
-/// Gives out each hold of a visit with the timeline on which it stands: its own, and those in conflict with them.
+/// Gives each hold of a visit with its timeline: the visit's own timelines, and those in conflict with them.
 pub(super) fn for_each_hold(
     context: Context<'_>,
     holder: RobotId,
@@ -70,7 +70,7 @@ pub(super) fn is_station(warehouse: &Warehouse, visit: &Visit) -> bool {
     matches!(warehouse.nodes[visit.node].kind, NodeKind::Station(_))
 }
 
-/// What writing and erasing the visits of one holder takes.
+/// What writing and erasing the visits of one holder needs.
 #[derive(Clone, Copy)]
 pub(super) struct Context<'a> {
     warehouse: &'a Warehouse,
@@ -79,7 +79,7 @@ pub(super) struct Context<'a> {
     without_conflicts: bool,
 }
 
-/// What a visit holds: its node and, where needed, its lane, as robots with its own footprint find them.
+/// What a visit holds: its node and, where needed, its lane, on the timelines for the holder's footprint.
 pub(super) fn claims(c: Context<'_>, v: &Visit) -> impl Iterator<Item = (LineId, Window)> + use<> {
     let line = |r| c.warehouse.line(c.body, v.loaded, r);
     let node = (line(c.warehouse.node_resource(v.node)), v.window());

@@ -12,28 +12,28 @@ use crate::time::Window;
 pub struct Held {
     /// The holder.
     pub holder: RobotId,
-    /// When.
+    /// When the resource is held.
     pub window: Window,
-    /// Whether it is held itself, or only something in conflict with it.
+    /// Whether the resource is held itself, or only a resource in conflict with it.
     pub layer: Layer,
     /// Whether the holder may be there already, rather than only being promised it.
     pub granted: bool,
 }
 
 impl Timeline {
-    /// The holds on a resource that meet `window`, in their order, whichever robots they keep away.
+    /// The holds on a resource that meet `window`, in their order, whichever robots they exclude.
     pub fn holds(&self, r: ResourceId, window: Window) -> Vec<Held> {
         let mut found: Vec<(&Hold, Held)> = (self.warehouse.lines_of(r))
             .flat_map(|line| self.lines[line].during(window))
             .map(|h| (h, self.held(h)))
             .collect();
-        // What is held itself for one footprint is in conflict for all others.
+        // A physical hold for one footprint is a conflict for all others.
         found.sort_by_key(|(h, _)| (h.start, h.holder, h.serial, h.end, h.layer));
         found.dedup_by_key(|(h, _)| (h.start, h.holder, h.serial, h.end));
         found.into_iter().map(|(_, held)| held).collect()
     }
 
-    /// All holds of others on a timeline, in their order, also those whose time is over.
+    /// All holds of others on a timeline, in their order, including past ones.
     pub fn held_by_others(&self, line: LineId, own: RobotId) -> impl Iterator<Item = Held> {
         self.lines[line].all().filter(move |h| h.holder != own).map(|h| self.held(h))
     }

@@ -1,7 +1,7 @@
 //! The timeline of one resource: holds sorted by start, and the gaps between them.
 //!
-//! Main types: [`Hold`], [`Line`], [`FreeWindow`], [`Withdrawn`] (holds that a question passes over). Refuses:
-//! overlapping holds of different holders on the physical layer (asserted); conflict holds may overlap one another.
+//! Main types: [`Hold`], [`Line`], [`FreeWindow`], [`Withdrawn`] (holds that a query ignores). Refuses: overlapping
+//! holds of different holders on the physical layer (asserted); conflict holds may overlap one another.
 
 use crate::id::{Dense, RobotId};
 use crate::time::{Time, Window};
@@ -9,9 +9,9 @@ use crate::time::{Time, Window};
 /// Why a resource is not free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Layer {
-    /// It is held itself.
+    /// The resource itself is held.
     Physical,
-    /// Something in conflict with it is held.
+    /// A resource in conflict with it is held.
     Conflict,
 }
 
@@ -30,16 +30,16 @@ pub(super) struct Hold {
 pub struct FreeWindow {
     /// First free instant.
     pub start: Time,
-    /// First instant that is not free any more.
+    /// First instant that is no longer free.
     pub end: Time,
-    /// Tells the gaps of one resource apart, while neither its line changes nor what a question passes over.
+    /// Distinguishes the gaps of one resource, while neither its line nor the ignored holds change.
     pub index: u32,
 }
 
 /// The beginning of all time, where the first free window of a line starts.
 const BEGINNING: Time = Time(i64::MIN / 2);
 
-/// Holds that a question passes over, as if their holders had given them up: for each holder those from some visit on.
+/// Holds that a query ignores, as if their holders had given them up: for each holder those from some visit on.
 #[derive(Clone, Debug)]
 pub(super) struct Withdrawn {
     /// For each holder, the serial number of the first visit that it has given up. A holder with the largest number, or
@@ -53,7 +53,7 @@ pub(super) struct Withdrawn {
 pub(super) static NOTHING: Withdrawn = Withdrawn { from: Vec::new(), holders: 0 };
 
 impl Withdrawn {
-    /// A holder gives up its visits from `serial` on.
+    /// Ignores a holder's visits from `serial` on.
     pub fn add(&mut self, holder: RobotId, serial: u64) {
         if self.from.len() <= holder.ix() {
             self.from.resize(holder.ix() + 1, u64::MAX);
@@ -88,12 +88,12 @@ pub(super) struct Line {
     /// For each hold its start, and the latest end of it and all before it: gaps are found without looking back, in a
     /// few lines of cache.
     edges: Vec<(Time, Time)>,
-    /// The bits of all holders, see [`bit`]: most lines have no hold that a question passes over, and this tells.
+    /// The bits of all holders, see [`bit`]: most lines have no ignored hold, and this detects it.
     holders: u64,
 }
 
 impl Line {
-    /// A line without the holds that are passed over.
+    /// A copy of the line without the ignored holds.
     pub fn without(&self, withdrawn: &Withdrawn) -> Line {
         let holds: Vec<Hold> = self.holds.iter().filter(|h| !withdrawn.has(h)).cloned().collect();
         let mut line = Line { holders: bits(&holds), holds, edges: Vec::new() };
@@ -101,7 +101,7 @@ impl Line {
         line
     }
 
-    /// Adds a hold behind those that start no later.
+    /// Adds a hold after all that start no later.
     pub fn insert(&mut self, hold: Hold) {
         self.holders |= bit(hold.holder);
         let at = self.holds.partition_point(|h| h.start <= hold.start);
@@ -109,8 +109,8 @@ impl Line {
         self.rebuild_edges_from(at);
     }
 
-    /// Removes the entries (physical and conflict) of one visit. If there are none left, it does nothing: a visit can
-    /// be in conflict with a resource through both its node and its lane, and the first call removes both entries.
+    /// Removes the entries (physical and conflict) of one visit. Does nothing if none are left: a visit can be in
+    /// conflict with a resource through both its node and its lane, and the first call removes both entries.
     pub fn remove(&mut self, holder: RobotId, serial: u64) {
         let mine = |h: &Hold| h.holder == holder && h.serial == serial;
         if let Some(first) = self.holds.iter().position(mine) {
@@ -129,7 +129,7 @@ impl Line {
         }
     }
 
-    /// Gaps that end after `t`, in order, as if what is passed over were not there.
+    /// Gaps that end after `t`, in order, as if the ignored holds were not there.
     pub fn free_windows<'a>(&'a self, t: Time, withdrawn: &'a Withdrawn) -> Gaps<'a> {
         let from = self.edges.partition_point(|(start, _)| *start <= t);
         let withdrawn = (self.holders & withdrawn.holders != 0).then_some(withdrawn);
@@ -141,8 +141,8 @@ impl Line {
         Gaps { line: self, withdrawn, next: from, free }
     }
 
-    /// The latest end of the first `count` holds but for those that are passed over. It looks back only until no
-    /// earlier hold can end later, which is a step or two where few holds overlap.
+    /// The latest end of the first `count` holds except for the ignored ones. It looks back only until no earlier hold
+    /// can end later, which is a step or two where few holds overlap.
     fn reach(&self, count: usize, withdrawn: &Withdrawn) -> Time {
         let mut reach = BEGINNING;
         for i in (0..count).rev() {
@@ -156,14 +156,14 @@ impl Line {
         reach
     }
 
-    /// The holders on either side of a free window, as if what is passed over were not there.
+    /// The holders on either side of a free window, as if the ignored holds were not there.
     pub fn neighbours(&self, free: FreeWindow, withdrawn: &Withdrawn) -> (Option<RobotId>, Option<RobotId>) {
         let (before, after) = self.holds.split_at(self.edges.partition_point(|(start, _)| *start < free.end));
         let stays = |h: &&Hold| !withdrawn.has(h);
         (before.iter().rfind(stays).map(|h| h.holder), after.iter().find(stays).map(|h| h.holder))
     }
 
-    /// Entries that meet a window, as if what is passed over were not there.
+    /// Entries that meet a window, as if the ignored holds were not there.
     pub fn during_without(&self, w: Window, withdrawn: &Withdrawn) -> impl Iterator<Item = &Hold> {
         self.during(w).filter(|h| !withdrawn.has(h))
     }
@@ -179,7 +179,7 @@ impl Line {
         self.holds.iter()
     }
 
-    /// The first other holder that stands before this visit in the order of the resource.
+    /// The first other holder that comes before this visit in the order of the resource.
     pub fn first_before(&self, holder: RobotId, serial: u64) -> Option<RobotId> {
         self.before(holder, serial).map(|h| h.holder).find(|h| *h != holder)
     }
@@ -202,8 +202,8 @@ impl Line {
         self.holds[from..].iter().filter(move |h| h.holder != holder).filter(ordered)
     }
 
-    /// Changes the window of an entry in its place in the order. A visit has two conflict entries here where both its
-    /// node and its lane are in conflict with this resource; `nth` says which.
+    /// Changes the window of an entry without changing its place in the order. A visit has two conflict entries here if
+    /// both its node and its lane are in conflict with this resource; `nth` selects one.
     pub fn slide(&mut self, holder: RobotId, serial: u64, (layer, nth): (Layer, usize), w: Window) {
         let mine = |h: &&mut Hold| h.holder == holder && h.serial == serial && h.layer == layer;
         if let Some(h) = self.holds.iter_mut().filter(mine).nth(nth) {
@@ -211,7 +211,7 @@ impl Line {
         }
     }
 
-    /// Two holders whose order would change if the entries were sorted by their windows as they are now.
+    /// Two holders whose order would change if the entries were sorted by their present windows.
     pub fn swapped(&self) -> Option<(RobotId, RobotId)> {
         if self.holds.is_sorted_by_key(|h| h.start) {
             return None;
@@ -252,9 +252,9 @@ impl Line {
 /// The gaps of a line, in order.
 pub(super) struct Gaps<'a> {
     line: &'a Line,
-    /// What is passed over, if the line may have any of it.
+    /// The ignored holds, if the line may have any of them.
     withdrawn: Option<&'a Withdrawn>,
-    /// The hold at which the next gap ends, unless it is passed over.
+    /// Index of the hold at which the next gap ends, unless it is ignored.
     next: usize,
     /// The latest end of all holds before that one.
     free: Time,

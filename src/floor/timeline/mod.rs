@@ -1,15 +1,15 @@
 //! Which robot holds which resource when, and what is free in between.
 //!
-//! Main types: [`Timeline`] (all holds of all holders), [`Overlay`] (a timeline as a search looks at it), [`Visit`] (a
-//! stay on one node as a holder plans it), [`FreeWindow`] (when a resource is free), [`Reserved`] (the proof that
-//! visits are held; only this module makes one). Refuses: to hold anything twice, to forget which holder was promised
-//! a resource first, and to know why a holder wants to be anywhere.
+//! Main types: [`Timeline`] (all holds of all holders), [`Overlay`] (a timeline as a search sees it), [`Visit`] (a stay
+//! on one node as a holder plans it), [`FreeWindow`] (when a resource is free), [`Reserved`] (the proof that visits are
+//! held; only this module makes one). Refuses: to hold anything twice, to forget which holder was promised a resource
+//! first, and to know why a holder wants to be anywhere.
 //!
-//! Each resource has a list of holds sorted by start. Where robots differ in footprint, it has one list for each
-//! footprint ([`crate::id::LineId`]), and a robot looks at the list of its own. A hold on a resource also stands,
-//! marked [`Layer::Conflict`], in the list of everything that it excludes: a plan writes a few hundred holds but reads
-//! thousands, so writes are widened and reads are not. Lists stay short (tens of holds), so a sorted vector with binary
-//! search beats a tree.
+//! Each resource has a list of holds sorted by start. If robots differ in footprint, it has one list for each footprint
+//! ([`crate::id::LineId`]), and a robot uses the list for its own. A hold on a resource is also in the list of
+//! everything that it excludes, marked [`Layer::Conflict`]: a plan writes a few hundred holds but reads thousands, so
+//! writes are widened and reads are not. Lists stay short (tens of holds), so a sorted vector with binary search beats
+//! a tree.
 
 mod advance;
 mod chains;
@@ -40,24 +40,24 @@ use std::sync::Arc;
 
 /// A stay on one node, with the lane that leads to it.
 ///
-/// `enter ≤ arrive ≤ depart ≤ leave`. The node is held during `[enter, leave)`: from the moment in which the
-/// holder begins to move towards it (or must be sure of it, because it could not brake any more) until its
-/// tail has left. The lane is held during `[enter, arrive + clearance)` where it needs holding at all.
+/// `enter ≤ arrive ≤ depart ≤ leave`. The node is held during `[enter, leave)`: from the moment in which the holder
+/// begins to move towards it (or must be sure of it, because it could no longer brake) until its tail has left. The
+/// lane is held during `[enter, arrive + clearance)` if it needs holding at all.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Visit {
     /// The node.
     pub node: NodeId,
     /// The lane driven to get here, if that lane is in conflict with anything beyond its ends.
     pub lane: Option<ResourceId>,
-    /// Whether node and lane are held for a robot with a rack: one comes with it, or leaves with it.
+    /// Whether node and lane are held for a robot with a rack: the robot comes with one, or leaves with one.
     pub loaded: bool,
-    /// The hold on node and lane begins.
+    /// When the hold on node and lane begins.
     pub enter: Time,
-    /// The centre of the node is reached.
+    /// When the centre of the node is reached.
     pub arrive: Time,
-    /// The holder starts to leave; for ever at the last visit.
+    /// When the holder starts to leave; for ever at the last visit.
     pub depart: Time,
-    /// The hold on the node ends; for ever at the last visit.
+    /// When the hold on the node ends; for ever at the last visit.
     pub leave: Time,
     /// How long the holder must stay between `arrive` and `depart`: to turn, lift, be picked from.
     pub stay: Span,
@@ -94,7 +94,7 @@ impl Reserved {
         self.first..self.first + self.count as u64
     }
 
-    /// The proof for the first of them alone.
+    /// The proof for the first of these visits alone.
     pub fn first_alone(self) -> Reserved {
         Reserved { count: self.count.min(1), ..self }
     }
@@ -103,13 +103,13 @@ impl Reserved {
 /// Two holders want one resource at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clash {
-    /// The resource.
+    /// The resource that both want.
     pub resource: ResourceId,
-    /// When it was wanted.
+    /// When the resource was wanted.
     pub wanted: Window,
-    /// The holder that has it.
+    /// The holder that has the resource.
     pub by: RobotId,
-    /// When it is held.
+    /// When the resource is held.
     pub held: Window,
 }
 
@@ -119,7 +119,7 @@ pub struct Chain {
     first: u64,
     visits: VecDeque<Visit>,
     granted: u64,
-    /// Whether the holder has left the floor: its last visit is known and holds nothing.
+    /// Whether the holder has left the floor: its last visit is known but holds nothing.
     absent: bool,
 }
 
@@ -165,7 +165,7 @@ impl Chain {
     }
 }
 
-/// A holder, the serial number of the visit that it keeps, that visit anew, and the visits after it.
+/// A holder, the serial number of the visit that it keeps, that visit with new times, and the visits after it.
 pub type Replacement = (RobotId, u64, Visit, Vec<Visit>);
 
 /// All holds of all holders. Equal timelines hold the same.
@@ -188,7 +188,7 @@ impl PartialEq for Timeline {
 }
 
 impl Timeline {
-    /// Nothing held. `clearance` is the time by which a hold outlasts the moment in which the tail has left;
+    /// An empty timeline. `clearance` is the time by which a hold outlasts the moment in which the tail has left;
     /// strictly positive on a real floor, so that no ring of robots can rotate (DESIGN §5, invariant b).
     pub fn new(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
         let lines = IdVec::filled(Line::default(), warehouse.line_count());
@@ -196,8 +196,8 @@ impl Timeline {
         Timeline { warehouse, clearance, lines, chains, bodies, without_conflicts: false }
     }
 
-    /// A timeline on which holders pass through one another everywhere but at stations, where there is still only
-    /// one person to pick: what the bound on throughput is measured with (DESIGN §8).
+    /// A timeline on which holders pass through one another everywhere except at stations, where there is still only
+    /// one person to pick: it gives the bound on throughput (DESIGN §8).
     pub fn without_conflicts(warehouse: Arc<Warehouse>, clearance: Span) -> Timeline {
         Timeline { without_conflicts: true, ..Timeline::new(warehouse, clearance) }
     }
@@ -207,7 +207,7 @@ impl Timeline {
         &self.warehouse
     }
 
-    /// By how much a hold outlasts the moment in which the tail has left.
+    /// How long a hold outlasts the moment in which the tail has left.
     pub fn clearance(&self) -> Span {
         self.clearance
     }
@@ -215,7 +215,7 @@ impl Timeline {
     /// Sets the kind of a robot, before it holds anything.
     ///
     /// # Panics
-    /// If it holds something.
+    /// If the robot holds something.
     pub fn set_body(&mut self, robot: RobotId, body: BodyId) {
         let holds = self.chain(robot).is_some_and(|chain| !chain.absent);
         assert!(!holds, "{robot:?} holds as another kind");
@@ -230,12 +230,12 @@ impl Timeline {
         self.bodies.get(holder.ix()).copied().unwrap_or(BodyId(0))
     }
 
-    /// The timeline of a resource that a holder looks at, without or with a rack.
+    /// The timeline of a resource that a holder uses, without or with a rack.
     pub fn line(&self, holder: RobotId, loaded: bool, r: ResourceId) -> LineId {
         self.warehouse.line(self.body(holder), loaded, r)
     }
 
-    /// All holders with their visits; of one that has left the floor, the place where it stood last.
+    /// All holders with their visits; for one that has left the floor, the place where it stood last.
     pub fn chains(&self) -> impl Iterator<Item = (RobotId, &Chain)> {
         self.chains.iter()
     }
@@ -258,7 +258,7 @@ impl Timeline {
     /// Puts a holder on the floor with its first visits.
     ///
     /// # Errors
-    /// The first clash; nothing is held then.
+    /// The first clash; then nothing is held.
     pub fn reserve(&mut self, holder: RobotId, visits: Vec<Visit>) -> Result<Reserved, Clash> {
         assert!(!visits.is_empty(), "{holder:?} reserves nothing");
         assert!(!self.chains.contains_key(&holder), "{holder:?} stands somewhere already");
@@ -270,11 +270,11 @@ impl Timeline {
         Ok(Reserved { holder, first: 0, count })
     }
 
-    /// Replaces everything after the visit `keep` by new visits. The kept visit takes its new `depart` and
-    /// `leave` (and `stay`) from `kept`.
+    /// Replaces everything after the visit `keep` by new visits. The kept visit takes its new `depart` and `leave` (and
+    /// `stay`) from `kept`.
     ///
     /// # Errors
-    /// The first clash; everything is as before then.
+    /// The first clash; then everything is as before.
     ///
     /// # Panics
     /// If `keep` is not a visit of the holder or granted visits would be lost.
@@ -289,10 +289,10 @@ impl Timeline {
         Ok(reserved.into_iter().next().expect("one in, one out"))
     }
 
-    /// [`Timeline::replace`] for several holders at once: each may be promised what another of them gives up.
+    /// As [`Timeline::replace`] for several holders at once: each may be promised what another of them gives up.
     ///
     /// # Errors
-    /// The first clash; everything is as before then.
+    /// The first clash; then everything is as before.
     ///
     /// # Panics
     /// As [`Timeline::replace`].
@@ -339,7 +339,7 @@ impl Timeline {
         }
     }
 
-    /// Forgets the visits before `serial`: the holder has left them.
+    /// Drops the visits before `serial`, which the holder has left.
     pub fn release(&mut self, holder: RobotId, serial: u64) {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);
@@ -361,8 +361,8 @@ impl Timeline {
         self.assert_in_order(holder);
     }
 
-    /// A holder has left the floor: it holds nothing any more. Where it stood last, and the numbers of its visits, stay
-    /// known: it may be placed again.
+    /// Removes a holder that has left the floor: it holds nothing any more. Its last place, and the numbers of its
+    /// visits, stay known: it may be placed again.
     pub fn depart(&mut self, holder: RobotId) {
         let first = self.chains.get(&holder).expect("only holders leave").first;
         let mut visits = self.take_from(holder, first);
@@ -374,7 +374,7 @@ impl Timeline {
         chain.visits.extend(visits);
     }
 
-    /// Forgets a holder altogether, with the numbers of its visits.
+    /// Removes a holder altogether, with the numbers of its visits.
     pub fn remove(&mut self, holder: RobotId) {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);
@@ -404,8 +404,8 @@ impl Timeline {
         Some(Reserved { holder, first: chain.first, count: (chain.granted - chain.first) as usize })
     }
 
-    /// What `holder` waits for before it may have the visit `serial`: the resource, and the first other holder before
-    /// it in the order of the node, of the lane, or of anything in conflict with them.
+    /// The resource and the first other holder that `holder` waits for before it may have the visit `serial`, in the
+    /// order of the node, of the lane, or of anything in conflict with them.
     pub fn waits_for(&self, holder: RobotId, serial: u64) -> Option<(ResourceId, RobotId)> {
         let visit = self.chains.get(&holder)?.get(serial)?;
         let node = self.warehouse.node_resource(visit.node);
@@ -438,7 +438,7 @@ impl Timeline {
         self.assert_in_order(holder);
     }
 
-    /// Marks the visits after `serial` as held only: the holder will not be there before it is granted them anew.
+    /// Marks the visits after `serial` as held only: the holder will not be there before they are granted anew.
     ///
     /// # Panics
     /// If `serial` is not granted.
@@ -475,8 +475,7 @@ impl Timeline {
         self.view().check(holder, visits)
     }
 
-    /// Asserts that no resource is held twice and that every chain is in order. For laws and tests: looks at
-    /// everything.
+    /// Asserts that no resource is held twice and that every chain is in order. For laws and tests: checks everything.
     pub fn assert_sound(&self) {
         for l in self.lines.ids() {
             self.lines[l].assert_sound(|| self.warehouse.resource_name(self.warehouse.resource_of(l)));
@@ -484,7 +483,7 @@ impl Timeline {
         self.chains.iter().for_each(|(holder, _)| self.assert_in_order(holder));
     }
 
-    /// Asserts that the visits of a holder follow one another and that what is granted is held: after every change of a
+    /// Asserts that the visits of a holder follow one another and that granted visits are held: after every change of a
     /// chain, in every build. O(its visits).
     fn assert_in_order(&self, holder: RobotId) {
         let chain = &self.chains[&holder];
@@ -496,8 +495,8 @@ impl Timeline {
     }
 }
 
-/// Whether two visits of one holder can follow one another: it is at the second before it has left the first. The
-/// first may be held for longer than the second: a repaired robot gives back where it broke down all at once, and a
+/// Whether two visits of one holder can follow one another: it is at the second before it has left the first. The first
+/// may be held for longer than the second: a repaired robot gives back at once all places that it broke down on, and a
 /// delay then moves the end of the first by more than that of the second, which waits less.
 fn in_order(a: &Visit, b: &Visit) -> bool {
     a.enter <= b.enter && a.arrive <= a.depart && b.enter <= b.arrive && b.arrive <= a.leave

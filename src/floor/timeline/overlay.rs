@@ -1,12 +1,12 @@
-//! A timeline as a search looks at it: as if some holders had given up visits, and others held a new route.
+//! A timeline as a search sees it: as if some holders had given up visits, and others held a new route.
 //!
 //! Main type: [`Overlay`], which [`Timeline::view`] and [`Timeline::without`] make. Refuses: to change the timeline
-//! beneath it, and to prove that anything is held; what a search finds must be booked on the timeline itself.
+//! beneath it, and to prove that anything is held; the result of a search must be booked on the timeline itself.
 //!
-//! A question about a resource costs what it costs on the timeline, and allocates nothing: a binary search, then a step
-//! for each window. Where the line of the resource has holds that were given up, they are passed over one by one. To
-//! give up visits costs nothing per visit, so all robots can be taken off the floor for one search. To add a route
-//! copies the lines on which it has holds, a few for each of its visits, and no others.
+//! A query about a resource costs as much as on the timeline, and allocates nothing: a binary search, then a step for
+//! each window. If the line of the resource has holds that were given up, they are skipped one by one. Giving up visits
+//! costs nothing per visit, so all robots can be taken off the floor for one search. Adding a route copies the lines on
+//! which it has holds, a few for each of its visits, and no others.
 
 use super::entries::{claims, for_each_hold, is_station};
 use super::line::{FreeWindow, Hold, Line, NOTHING, Withdrawn};
@@ -15,8 +15,7 @@ use crate::id::{Dense, LineId, RobotId};
 use crate::time::{Time, Window};
 use smallvec::SmallVec;
 
-/// A timeline on which some holders have given up visits, and others have new routes. The timeline itself stays as it
-/// is.
+/// A timeline on which some holders have given up visits, and others have new routes. The timeline itself is unchanged.
 #[derive(Clone, Debug)]
 pub struct Overlay<'a> {
     base: &'a Timeline,
@@ -41,7 +40,7 @@ impl Timeline {
         Overlay { base: self, withdrawn: NOTHING.clone(), added, changed }
     }
 
-    /// The timeline as if these held nothing.
+    /// The timeline as if these holders held nothing.
     pub fn without(&self, holders: &[RobotId]) -> Overlay<'_> {
         let mut overlay = self.view();
         holders.iter().for_each(|h| overlay.withdraw(*h, 0));
@@ -50,7 +49,7 @@ impl Timeline {
 }
 
 impl Overlay<'_> {
-    /// A holder gives up its visits from `serial` on.
+    /// Removes a holder's visits from `serial` on.
     ///
     /// # Panics
     /// If a route was added before: its lines are copied already.
@@ -59,10 +58,10 @@ impl Overlay<'_> {
         self.withdrawn.add(holder, serial);
     }
 
-    /// A holder gets these visits behind those that it has kept.
+    /// Adds visits of a holder behind those that it has kept.
     ///
     /// # Errors
-    /// The first clash with the holds of others, seen through this overlay; nothing is added then.
+    /// The first clash with the holds of others, seen through this overlay; then nothing is added.
     ///
     /// # Panics
     /// If the holder was added before, or the visits do not follow one another and those that it has kept.
@@ -87,7 +86,7 @@ impl Overlay<'_> {
         Ok(())
     }
 
-    /// The free windows of a resource that end after `t`, in order, as robots with one footprint find it.
+    /// The free windows of a resource that end after `t`, in order, for robots with one footprint.
     pub fn free_windows(&self, line: LineId, t: Time) -> impl Iterator<Item = FreeWindow> {
         let (line, withdrawn) = self.line(line);
         line.free_windows(t, withdrawn)
@@ -129,7 +128,7 @@ impl Overlay<'_> {
         line.during_without(window, withdrawn)
     }
 
-    /// A line, and what a question about it passes over: a copy has none of that.
+    /// A line, and the holds that a query about it ignores: a copy has none of those.
     fn line(&self, line: LineId) -> (&Line, &Withdrawn) {
         match self.changed.get(line) {
             Some(copy) => (copy, &NOTHING),

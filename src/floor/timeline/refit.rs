@@ -8,11 +8,11 @@ use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
 impl Timeline {
-    /// Goes over to the same building for other kinds of robots: all chains stay, and the lines are written anew,
-    /// since there is one for each resource and footprint. `bodies` are the kinds of robots, by their numbers.
+    /// Switches to the same building for other kinds of robots: all chains stay, and the lines are written anew, since
+    /// there is one for each resource and footprint. `bodies` are the kinds of robots, by their numbers.
     ///
     /// # Panics
-    /// If it is another building.
+    /// If `warehouse` is another building.
     pub fn refit(&mut self, warehouse: Arc<Warehouse>, bodies: Vec<BodyId>) {
         let (before, now) = (self.warehouse.resource_count(), warehouse.resource_count());
         assert_eq!(before, now, "the building stays the same for other kinds of robots");

@@ -1,7 +1,7 @@
-//! Restores a timeline from what was written down of it.
+//! Restores a timeline from its stored form.
 //!
-//! Main function: [`Timeline::restore`], which takes [`ChainParts`]. Refuses: holds that contradict one another, in
-//! words ([`Flaw`]); a timeline that was written down by this program never does.
+//! Main function: [`Timeline::restore`], which takes [`ChainParts`]. Refuses: holds that contradict one another, with
+//! reasons ([`Flaw`]); a timeline written by this program never does.
 
 use super::{Chain, Clash, Timeline, Visit, in_order};
 use crate::id::{BodyId, Dense, RobotId};
@@ -9,7 +9,7 @@ use crate::time::Span;
 use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
-/// The visits of one holder, as they were written down.
+/// The stored visits of one holder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChainParts {
     /// The holder.
@@ -37,15 +37,15 @@ pub enum Flaw {
         resource: String,
         /// The holder of the visit that was checked.
         holder: RobotId,
-        /// What it wants, and the other holder that has it.
+        /// What the holder wants, and the other holder that has it.
         clash: Clash,
     },
-    /// Two visits that follow one another do not fit together, or one is no visit.
+    /// Two successive visits do not fit together, or one is not a valid visit.
     #[error("visits {serial} and {} of {holder:?} are out of order", .serial + 1)]
     Disorder {
         /// The holder.
         holder: RobotId,
-        /// The earlier one.
+        /// Serial number of the earlier visit.
         serial: u64,
     },
     /// A visit is on a node or a lane that the map does not have.
@@ -53,28 +53,28 @@ pub enum Flaw {
     UnknownPlace {
         /// The holder.
         holder: RobotId,
-        /// Which visit.
+        /// Serial number of the visit.
         serial: u64,
     },
     /// A holder holds nothing, or its last visit ends, or it was granted more or less than it holds.
     #[error("{holder:?} stands nowhere, or was granted what it does not hold")]
     Nowhere {
-        /// Which holder.
+        /// The holder.
         holder: RobotId,
     },
-    /// A holder is there twice.
+    /// A holder is listed twice.
     #[error("{holder:?} is there twice")]
     Twice {
-        /// Which holder.
+        /// The holder.
         holder: RobotId,
     },
 }
 
 impl Timeline {
-    /// A timeline that holds exactly this. `bodies` are the kinds of robots, by their numbers.
+    /// A timeline with exactly these visits. `bodies` are the kinds of robots, by their numbers.
     ///
     /// # Errors
-    /// The first thing that cannot be.
+    /// The first contradiction.
     pub fn restore(
         warehouse: Arc<Warehouse>,
         clearance: Span,

@@ -1,4 +1,4 @@
-//! The timeline against a model (bitmaps of seconds), and delays against what they promise.
+//! The timeline against a model (bitmaps of seconds), and delays against their guarantees.
 
 use super::*;
 use crate::geometry::Point;
@@ -48,7 +48,7 @@ fn visit(node: u32, enter: i64, leave: i64) -> Visit {
     }
 }
 
-/// The dense row for small robots, which exclude no robot on the next node, and large ones.
+/// The dense row for small robots, which do not exclude robots on the next node, and large ones.
 fn row_for_two_kinds(n: usize) -> Arc<Warehouse> {
     let small = [Some(Footprint::Circle { radius_m: 0.04 }), Some(Footprint::Circle { radius_m: 0.1 })];
     let small = Body { footprints: small, ..Body::usual("small") };
@@ -236,7 +236,7 @@ proptest! {
     }
 }
 
-/// Lets a robot leave its last granted visit earlier; nothing of others moves, and nothing begins later.
+/// Lets a robot leave its last granted visit earlier; visits of others do not move, and nothing begins later.
 fn go_early(timeline: &mut Timeline, who: RobotId, depart: Time) {
     let before: Vec<(RobotId, Chain)> = timeline.chains().map(|(h, c)| (h, c.clone())).collect();
     let shifts = timeline.advance(who, depart);
@@ -260,8 +260,8 @@ fn go_early(timeline: &mut Timeline, who: RobotId, depart: Time) {
     }
 }
 
-/// A drive as it is drawn: when it starts, its nodes with the time until each next one and how much longer the hold
-/// lasts then, whether with a rack, and whether it ends by standing there for ever.
+/// A drawn drive: when it starts, its nodes with the time until each next one and how much longer the hold lasts then,
+/// whether with a rack, and whether it ends by standing there for ever.
 type Drawn = (i64, Vec<(u32, i64, i64)>, bool, bool);
 
 fn drawn() -> impl Strategy<Value = Drawn> {
@@ -287,7 +287,7 @@ fn drive(warehouse: &Warehouse, start: i64, (_, steps, loaded, stays): &Drawn) -
     visits
 }
 
-/// Whether an overlay answers all questions about all lines as a timeline does on which that is true.
+/// Asserts that an overlay answers all queries about all lines as the true timeline does.
 fn assert_same(seen: &Overlay<'_>, truth: &Timeline) {
     for line in truth.lines.ids() {
         let holders: Vec<RobotId> = truth.lines[line].all().map(|h| h.holder).collect();
@@ -349,7 +349,7 @@ proptest! {
         assert_same(&seen, &truth);
         let mut added = BTreeSet::new();
         for (holder, drawn) in routes.into_iter().map(|(i, drawn)| (robot(i), drawn)) {
-            // A route goes on from what the holder has kept, where it leaves that at all.
+            // A route continues from what the holder has kept, where it leaves that at all.
             let start = truth.chain(holder).and_then(Chain::last).map_or(Time(drawn.0), |v| v.depart);
             if start.is_forever() || !added.insert(holder) {
                 continue;
@@ -430,7 +430,7 @@ fn drive_up(mut timeline: Timeline, lead: i64, waits: &[i64], dense: bool) -> Ti
     timeline
 }
 
-/// Ten ticks from node to node, two of them waiting; the hold outlasts the arrival at the next one by two.
+/// Ten ticks from node to node, two of them waiting; the hold outlasts the arrival at the next node by two.
 fn pass(node: u32, enter: i64, last: bool) -> Visit {
     let forever = |t: i64| if last { Time::MAX } else { Time(t) };
     Visit {

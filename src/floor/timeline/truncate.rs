@@ -1,19 +1,18 @@
-//! Truncation: holders lose what they were promised but not granted.
+//! Truncation: holders lose visits that were promised but not granted.
 //!
-//! Main functions: [`Timeline::truncation`] works out what stays, [`Timeline::keep`] keeps only that;
-//! [`Timeline::place`] is for a holder that stands somewhere else. Refuses: to
-//! take back what was granted.
+//! Main functions: [`Timeline::truncation`] computes what stays, [`Timeline::keep`] keeps only that;
+//! [`Timeline::place`] is for a holder that stands somewhere else. Refuses: to take back granted visits.
 
 use super::{Chain, Shift, Timeline, Visit};
 use crate::id::RobotId;
 use crate::time::Time;
 
-/// What a holder keeps: one past the last visit that stays, and the visits that have other times from now on.
+/// What a holder keeps: one past the last visit that stays, and the visits that have new times.
 pub type KeptVisits<'a> = (RobotId, u64, &'a [Shift]);
 
 impl Timeline {
-    /// What stays if these holders lose what was not granted to them: they keep their last granted visit for ever, and
-    /// those of which `stuck` is true keep every granted visit for ever. Nothing is changed.
+    /// What stays if these holders lose the visits that were not granted to them: they keep their last granted visit
+    /// for ever, and holders with a true `stuck` flag keep every granted visit for ever. Nothing is changed.
     pub fn truncation(&self, holders: &[(RobotId, bool)]) -> Vec<(RobotId, u64, Vec<Shift>)> {
         let kept = |&(holder, stuck): &(RobotId, bool)| {
             let chain = &self.chains[&holder];
@@ -34,11 +33,11 @@ impl Timeline {
         holders.iter().map(kept).collect()
     }
 
-    /// Keeps exactly what is told and drops the rest of these holders' visits.
+    /// Keeps exactly the given visits and drops the rest of these holders' visits.
     ///
     /// # Panics
-    /// If granted visits would be lost, the last visit would end, or another holder holds any of that later: the code
-    /// that worked this out, or the record of it, is broken (see [`Timeline::after`]).
+    /// If granted visits would be lost, the last visit would end, or another holder holds any of that later: then the
+    /// code that computed this, or the record of it, is broken (see [`Timeline::after`]).
     pub fn keep(&mut self, kept: &[KeptVisits<'_>]) {
         for &(holder, end, _) in kept {
             let chain = self.chains.get(&holder).expect("only holders lose what they hold");
@@ -61,11 +60,11 @@ impl Timeline {
         }
     }
 
-    /// A holder stands somewhere else: it holds that visit alone, with this serial number, and others keep what they
-    /// are told.
+    /// Places a holder that stands somewhere else: it holds that visit alone, with this serial number, and others keep
+    /// what `kept` says.
     ///
     /// # Panics
-    /// If the number is not later than all that the holder had, or another holder holds the place after that.
+    /// If the number is not later than all earlier numbers of the holder, or another holder holds the place after that.
     pub fn place(&mut self, holder: RobotId, serial: u64, visit: Visit, kept: &[KeptVisits<'_>]) {
         let end = self.chains.get(&holder).expect("only holders stand elsewhere").end();
         assert!(end <= serial, "{holder:?} had the visit {serial} before");

@@ -1,5 +1,5 @@
-//! A station bay: queue places in one row outwards from the floor, the station at their end, the way back in
-//! the row beside them.
+//! A station bay: queue places in one row outwards from the floor, the station at their end, and the way back in the
+//! row beside them.
 //!
 //! Main type: [`Bay`]. Refuses: to look for room; the caller knows that there is some.
 
@@ -11,13 +11,13 @@ use crate::time::Span;
 pub(super) struct Bay {
     /// Name of the station.
     pub name: String,
-    /// The floor node where robots turn in.
+    /// Name and position of the floor node where robots turn in.
     pub entry: (String, Point),
-    /// The floor node where they come out.
+    /// Name and position of the floor node where robots come out.
     pub exit: (String, Point),
     /// One step away from the floor, metres.
     pub outward: Vector,
-    /// Waiting places.
+    /// Number of waiting places.
     pub queue: usize,
     /// Usual length of a pick.
     pub pick: Span,

@@ -1,17 +1,16 @@
-//! Which lanes, places and racks are for which kind of robots, and which resources exclude one another where two
-//! kinds meet.
+//! Which kinds of robots each lane, place and rack is for, and which resources exclude one another where two kinds
+//! meet.
 //!
-//! Main types: [`Body`] (what the building must know of a kind), [`Conflicts`]. Main function:
-//! [`Warehouse::for_bodies`].
+//! Main types: [`Body`] (the building's view of a kind), [`Conflicts`]. Main function: [`Warehouse::for_bodies`].
 //!
 //! The rule: a robot with footprint `f` on a resource `r` excludes a robot with footprint `g` from a resource `s`
-//! exactly if what the two outlines take there overlaps. Each resource therefore has a timeline for each footprint
-//! ([`LineId`]), in which everything stands that excludes a robot with that footprint. Reading costs what it costs
-//! with one footprint; a hold is written once for each footprint and conflict, so writing costs as many times as much
-//! as there are footprints.
+//! exactly if the areas that the two outlines take there overlap. Each resource therefore has a timeline for each
+//! footprint ([`LineId`]), with everything in it that excludes a robot with that footprint. Reading costs as much as
+//! with one footprint; a hold is written once for each footprint and conflict, so the cost of writing is multiplied by
+//! the number of footprints.
 //!
-//! Refuses: footprints that reach beyond the one for which the map was drawn, since whether a floor is well-formed
-//! (invariant a) was checked with that; kinds whose lanes do not make a well-formed floor of their own.
+//! Refuses: footprints that reach beyond the one for which the map was drawn, since the map was checked with that for
+//! being well-formed (invariant a); kinds whose lanes are not a well-formed floor of their own.
 
 use super::check::{self, Doubts, Findings};
 use super::footprint::Footprint;
@@ -20,29 +19,29 @@ use crate::geometry::Segment;
 use crate::id::{ArcId, BodyId, Dense, IdVec, LaneId, LineId, NodeId, RackId, ResourceId};
 use smallvec::SmallVec;
 
-/// More kinds than these cannot be told apart on one floor.
+/// Largest number of kinds on one floor.
 pub const MOST_BODIES: usize = 32;
 
-/// What the building must know of a kind of robots.
+/// The building's view of a kind of robots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// The name of the kind.
     pub kind: String,
-    /// Its outlines without and with a rack; nothing for the square of the map.
+    /// Outlines of the kind without and with a rack; nothing for the square of the map.
     pub footprints: [Option<Footprint>; 2],
-    /// The types of racks that it can carry; nothing for all.
+    /// The types of racks that the kind can carry; nothing for all.
     pub carries: Option<Vec<String>>,
-    /// The heaviest rack that it can carry, kilograms.
+    /// The heaviest rack that the kind can carry, kilograms.
     pub payload_kg: f64,
 }
 
 impl Body {
-    /// A kind that takes the square of the map, carries every rack and drives all lanes that are not for others.
+    /// A kind that takes the square of the map, carries every rack and drives all lanes that are not for other kinds.
     pub fn usual(kind: &str) -> Body {
         Body { kind: kind.into(), footprints: [None, None], carries: None, payload_kg: f64::INFINITY }
     }
 
-    /// Its outlines without and with a rack.
+    /// The outlines of the kind without and with a rack.
     fn outlines(&self, square: &Footprint) -> [Footprint; 2] {
         self.footprints.each_ref().map(|f| f.clone().unwrap_or_else(|| square.clone()))
     }
@@ -54,14 +53,14 @@ pub(super) struct Bodies {
     bodies: IdVec<BodyId, Body>,
     /// All different footprints.
     footprints: Vec<Footprint>,
-    /// For each body, which footprint it has without and with a rack.
+    /// For each body the index of its footprint without and with a rack.
     of: IdVec<BodyId, [usize; 2]>,
     /// For each node, a bit for each body that may be there.
     places: IdVec<NodeId, u32>,
 }
 
 impl Bodies {
-    /// One kind that takes the square of the map.
+    /// The bodies of a floor with one kind that takes the square of the map.
     pub fn one(footprint_m: f64, nodes: usize) -> Bodies {
         Bodies {
             bodies: vec![Body::usual("robot")].into(),
@@ -72,14 +71,14 @@ impl Bodies {
     }
 }
 
-/// For each line, the others that a hold on it blocks.
+/// For each line, the other lines that a hold on it blocks.
 pub(super) type Conflicts = IdVec<LineId, SmallVec<[LineId; 2]>>;
 
 impl Warehouse {
     /// The same building for robots of these kinds.
     ///
     /// # Errors
-    /// Kinds for which the floor was not drawn, with what to do about each.
+    /// Each kind for which the floor was not drawn, with a remedy.
     pub fn for_bodies(&self, bodies: Vec<Body>) -> Result<Warehouse, Findings> {
         let mut found = Findings::default();
         if bodies.is_empty() || bodies.len() > MOST_BODIES {
@@ -95,11 +94,11 @@ impl Warehouse {
         Ok(w)
     }
 
-    /// Whether the floor was drawn for robots of a kind, whatever others there are. Looks at the whole floor: on a
-    /// large map that takes a while.
+    /// Whether the floor was drawn for robots of a kind, whatever other kinds there are. Looks at the whole floor,
+    /// which takes a while on a large map.
     ///
     /// # Errors
-    /// Why it was not, with what to do.
+    /// Why the floor was not drawn for the kind, with a remedy.
     pub fn check_body(&self, body: &Body) -> Result<(), Findings> {
         self.check_outlines(body)?;
         let mut found = Findings::default();
@@ -107,18 +106,18 @@ impl Warehouse {
         found.into_result()
     }
 
-    /// Whether the outlines of a kind lie within the square for which the map was drawn, and the one without a rack
-    /// within the one with a rack. Takes no time.
+    /// Whether the outlines of a kind lie within the square for which the map was drawn, and the outline without a rack
+    /// within the one with a rack. Takes almost no time.
     ///
     /// # Errors
-    /// What does not, with what to do.
+    /// The outlines that do not, with a remedy.
     pub fn check_outlines(&self, body: &Body) -> Result<(), Findings> {
         let mut found = Findings::default();
         check_footprints(body, &Footprint::Square { side_m: self.footprint_m }, &mut found);
         found.into_result()
     }
 
-    /// The same building for robots of these kinds, unchecked: those that were written down were checked before.
+    /// The same building for robots of these kinds, unchecked: stored kinds were checked before.
     pub fn with_bodies(&self, bodies: Vec<Body>) -> Warehouse {
         let square = Footprint::Square { side_m: self.footprint_m };
         let (mut footprints, mut of) = (Vec::new(), IdVec::new());
@@ -144,12 +143,12 @@ impl Warehouse {
         self.lines = self.conflicts_of_footprints();
     }
 
-    /// Whether the lanes that a kind may drive are a floor in which it is never stuck. Where there are no rules about
-    /// kinds, that is the floor of the map, which was checked.
+    /// Checks that the lanes that a kind may drive are a floor in which it is never stuck. Without rules about kinds,
+    /// that is the floor of the map, which was checked.
     fn check_floor_of(&self, body: BodyId, found: &mut Findings) {
         let kind = &self.bodies.bodies[body].kind;
         let mut own = self.clone();
-        // A place from which it cannot come back is none for it, nor is a lane to there.
+        // A place from which the kind cannot come back is no place for it, nor is a lane to there a lane for it.
         let leads = |l: &Lane| self.may_be_at(body, l.a) && self.may_be_at(body, l.b);
         let robots = |l: &Lane| l.users.unloaded || l.users.loaded;
         for lane in own.lanes.iter_mut().filter(|l| robots(l) && !(is_for(l, kind) && leads(l))) {
@@ -169,8 +168,8 @@ impl Warehouse {
         }
     }
 
-    /// Pairs of resources that overlap for the map's square are looked at again for each pair of footprints: these lie
-    /// within the square, so there are no others.
+    /// The conflicts of each pair of footprints, among pairs of resources that overlap for the map's square: the
+    /// footprints lie within the square, so there are no other conflicts.
     fn conflicts_of_footprints(&self) -> Conflicts {
         let count = self.resource_count();
         let footprints = &self.bodies.footprints;
@@ -204,8 +203,7 @@ impl Warehouse {
         nodes.chain(others)
     }
 
-    /// What a robot with a footprint may take of the floor while it holds a resource: conflicts are computed with
-    /// this.
+    /// The floor area that a robot with a footprint may take while it holds a resource; conflicts are computed from it.
     pub fn taken(&self, footprint: &Footprint, r: ResourceId) -> super::footprint::Hull {
         match self.resource(r) {
             Ok(n) => footprint.standing(self.nodes[n].at),
@@ -220,7 +218,7 @@ impl Warehouse {
         }
     }
 
-    /// For each node the bodies that come there and leave again.
+    /// For each node the bodies that can come there and leave again.
     fn places_of_bodies(&self) -> IdVec<NodeId, u32> {
         let mut came: IdVec<NodeId, u32> = IdVec::filled(0, self.nodes.len());
         let mut left = came.clone();
@@ -242,7 +240,7 @@ impl Warehouse {
         self.ways[arc].is_for(body)
     }
 
-    /// The kind of this name; the first one where the building does not know it.
+    /// The kind with this name; the first kind if the building does not know it.
     pub fn body_of(&self, kind: &str) -> BodyId {
         let found = self.bodies.bodies.pairs().find(|(_, b)| b.kind == kind);
         found.map_or(BodyId(0), |(id, _)| id)
@@ -253,12 +251,12 @@ impl Warehouse {
         &self.bodies.bodies
     }
 
-    /// What a robot of a kind takes of the floor, without or with a rack.
+    /// The footprint of a robot of a kind, without or with a rack.
     pub fn footprint(&self, body: BodyId, loaded: bool) -> &Footprint {
         &self.bodies.footprints[self.bodies.of[body][usize::from(loaded)]]
     }
 
-    /// Half of the widest robot, metres.
+    /// Half of the width of the widest robot, metres.
     pub fn widest_half_m(&self) -> f64 {
         self.bodies.footprints.iter().map(Footprint::half_m).fold(0.0, f64::max)
     }
@@ -276,7 +274,7 @@ impl Warehouse {
         fits && rack.weight_kg <= body.payload_kg
     }
 
-    /// The timeline of a resource that robots of a kind look at, without or with a rack.
+    /// The timeline of a resource that robots of a kind use, without or with a rack.
     pub fn line(&self, body: BodyId, loaded: bool, r: ResourceId) -> LineId {
         LineId::at(self.bodies.of[body][usize::from(loaded)] * self.resource_count() + r.ix())
     }
@@ -291,12 +289,12 @@ impl Warehouse {
         ResourceId::at(line.ix() % self.resource_count())
     }
 
-    /// How many timelines there are: one for each resource and footprint.
+    /// Number of timelines: one for each resource and footprint.
     pub fn line_count(&self) -> usize {
         self.bodies.footprints.len() * self.resource_count()
     }
 
-    /// The timelines in which a hold on one is written, too: those of everything that it excludes.
+    /// The timelines that a hold on `line` is also written in: those of everything that it excludes.
     pub fn lines_in_conflict(&self, line: LineId) -> &[LineId] {
         &self.lines[line]
     }

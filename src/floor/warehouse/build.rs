@@ -15,7 +15,7 @@ use crate::time::Span;
 use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Arrival headings closer than this are one (radians).
+/// Arrival headings closer than this count as one, radians.
 const SAME_HEADING: f64 = 0.02;
 
 /// A building as a person or a file describes it: by names, unchecked.
@@ -25,9 +25,9 @@ pub struct Draft {
     pub name: String,
     /// Side of the square that a robot with its rack takes, metres.
     pub footprint_m: f64,
-    /// Places.
+    /// The nodes.
     pub nodes: Vec<DraftNode>,
-    /// Ways between them.
+    /// The lanes between them.
     pub lanes: Vec<DraftLane>,
     /// Picking stations.
     pub stations: Vec<DraftStation>,
@@ -56,26 +56,26 @@ pub struct Draft {
 pub struct DraftNode {
     /// Unique name.
     pub name: String,
-    /// Where, metres.
+    /// Position, metres.
     pub at: Point,
 }
 
-/// A way between two named places.
+/// A lane between two named places.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DraftLane {
     /// Name of one end.
     pub from: String,
     /// Name of the other end.
     pub to: String,
-    /// Whether it may be driven backwards too.
+    /// Whether the lane may be driven backwards too.
     pub both: bool,
     /// Length, metres; the straight distance where absent.
     pub length_m: Option<f64>,
     /// Speed limit, metres per second.
     pub speed_limit_mps: Option<f64>,
-    /// Which robots may use it, and whether people may.
+    /// Which robots may use the lane, and whether people may.
     pub users: Users,
-    /// The kinds of robots that may use it; nothing for all.
+    /// The kinds of robots that may use the lane; nothing for all.
     pub kinds: Option<Vec<String>>,
     /// How far robots that need not keep to the line may leave it, as seen from `from` to `to`.
     pub corridor: Option<Corridor>,
@@ -103,29 +103,29 @@ impl DraftLane {
     }
 }
 
-/// A rack by names.
+/// A rack, described by names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DraftRack {
     /// Unique name.
     pub name: String,
-    /// Name of its storage node.
+    /// Name of the rack's storage node.
     pub node: String,
-    /// What type of load it is, for robots that carry some types only.
+    /// The type of load, for robots that carry some types only.
     pub load: Option<String>,
-    /// Its weight, kilograms.
+    /// Weight of the rack, kilograms.
     pub weight_kg: f64,
-    /// Name of its type, which says how its bins are arranged.
+    /// Name of the rack's type, which determines the arrangement of its bins.
     pub rack_type: Option<String>,
 }
 
 impl DraftRack {
-    /// A rack without type and weight: every robot carries it.
+    /// A rack without type and weight: every robot can carry it.
     pub fn plain(name: impl Into<String>, node: impl Into<String>) -> DraftRack {
         DraftRack { name: name.into(), node: node.into(), load: None, weight_kg: 0.0, rack_type: None }
     }
 }
 
-/// A picking station by names.
+/// A picking station, described by names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DraftStation {
     /// Unique name.
@@ -136,7 +136,7 @@ pub struct DraftStation {
     pub queue: Vec<String>,
     /// Usual length of a pick.
     pub pick: Span,
-    /// Its work cell.
+    /// The station's work cell.
     pub cell: Option<Cell>,
 }
 
@@ -162,8 +162,7 @@ impl Draft {
         Ok(warehouse)
     }
 
-    /// What is left of it without its bad parts, unchecked: for drawings only. Nothing where there are no nodes, or far
-    /// too many.
+    /// The draft without its bad parts, unchecked: for drawings only. Nothing if there are no nodes, or far too many.
     pub(super) fn salvaged(&self) -> Option<Warehouse> {
         let (mut rest, _) = check::without_bad_parts(self)?;
         let mut free: BTreeSet<&str> = rest.storage.iter().map(String::as_str).collect();
@@ -181,7 +180,7 @@ impl Draft {
         self.assemble()
     }
 
-    /// Turns names into ids. Every name is known to exist by now.
+    /// Turns names into ids. All names are known to exist here.
     fn assemble(self) -> Warehouse {
         let ids: BTreeMap<&str, NodeId> =
             self.nodes.iter().enumerate().map(|(i, n)| (n.name.as_str(), NodeId::at(i))).collect();

@@ -1,7 +1,7 @@
 //! Which resources cannot be held by two robots at once, computed from the robots' footprint.
 //!
-//! A robot with its rack takes a square of side `footprint_m` along the map's axes; a lane takes what that
-//! square sweeps, and its corridor where it has one. Two resources are in conflict where these overlap. Refuses:
+//! A robot with its rack takes a square of side `footprint_m` along the map's axes; a lane takes the area that this
+//! square sweeps, and its corridor if it has one. Two resources are in conflict if these areas overlap. Refuses:
 //! hand-written exceptions.
 
 use super::footprint::{Footprint, Hull};
@@ -16,8 +16,8 @@ pub(super) const TOUCH: f64 = 1e-6;
 
 type ResourceConflicts = IdVec<ResourceId, SmallVec<[ResourceId; 2]>>;
 
-/// All conflicts, symmetric, sorted, without pairs of which one is an end node of the other and without
-/// pairs of lanes that share an end: those exclude each other already by their nodes.
+/// All conflicts, symmetric, sorted, without pairs of a lane and its end node and without pairs of lanes that share an
+/// end: those already exclude each other by their nodes.
 pub(super) fn between(
     nodes: &IdVec<NodeId, Node>,
     lanes: &IdVec<LaneId, Lane>,

@@ -1,23 +1,23 @@
 //! How far a robot may leave the line of a lane: the corridor that a map gives to the lane.
 //!
 //! Main type: [`Corridor`]. As in VDA 5050 (`corridor` of an edge, `corridorReferencePoint` CONTOUR) it bounds the
-//! whole outline of the robot. Refuses: to say who may leave the line, which is a matter of the robot's kind.
+//! whole outline of the robot. Refuses: to determine which robots may leave the line; their kind does.
 
 use crate::geometry::{Point, Segment, Vector};
 
 /// Room for a robot's outline beside the line of a lane, metres, as seen along the lane from its `a` to its `b`. A
-/// robot that drives from `b` to `a` has the same floor: left and right change places for it.
+/// robot that drives from `b` to `a` has the same floor, with left and right exchanged.
 ///
-/// Where a side is narrower than half of the robot, the robot takes what it takes on the line.
+/// If a side is narrower than half of the robot, the robot takes there what it takes on the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corridor {
-    /// To the left of the line.
+    /// Room to the left of the line, metres.
     pub left_m: f64,
-    /// To the right of the line.
+    /// Room to the right of the line, metres.
     pub right_m: f64,
 }
 
-/// No side of a corridor is wider, metres.
+/// Greatest width of a side of a corridor, metres.
 pub const CORRIDOR_MAX_M: f64 = 20.0;
 
 impl Corridor {
@@ -31,8 +31,8 @@ impl Corridor {
         self.left_m.max(self.right_m)
     }
 
-    /// Its four corners, anticlockwise from the start on the right, each side `less_m` narrower, but no side behind
-    /// the line.
+    /// The four corners, anticlockwise from the start on the right, each side narrowed by `less_m`, but not beyond the
+    /// line.
     pub fn corners(self, lane: Segment, less_m: f64) -> [Point; 4] {
         let along = (lane.b - lane.a).try_normalize(1e-12).unwrap_or(Vector::x());
         let left = Vector::new(-along.y, along.x);

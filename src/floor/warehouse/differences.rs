@@ -1,13 +1,13 @@
 //! What is different between two maps, by names: what was added, removed, moved or otherwise changed, and where.
 //!
-//! Main function: [`differences`]; main type [`Difference`]. A thing is the same one where it has the same name.
-//! Refuses: to judge whether a difference does any harm.
+//! Main function: [`differences`]; main type [`Difference`]. Things with the same name are the same thing. Refuses: to
+//! judge whether a difference does any harm.
 
 use super::{Lane, NodeKind, Warehouse};
 use crate::geometry::Point;
 use std::collections::BTreeMap;
 
-/// What is farther from its old place than this has moved, metres.
+/// Distance from its old place beyond which a thing has moved, metres.
 const MOVED_M: f64 = 0.0005;
 
 /// How something is different.
@@ -17,9 +17,9 @@ pub enum HowDifferent {
     Added,
     /// Only the old map has it.
     Removed,
-    /// It is elsewhere.
+    /// The thing is elsewhere.
     Moved,
-    /// Something else about it is different.
+    /// Something else about the thing is different.
     Changed,
 }
 
@@ -35,27 +35,27 @@ impl HowDifferent {
     }
 }
 
-/// Things of one sort that are different in one way.
+/// Things of one sort that differ in the same way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// What they are, in the plural.
+    /// The sort of things, in the plural.
     pub what: &'static str,
-    /// How they are different.
+    /// How the things differ.
     pub how: HowDifferent,
-    /// Their names, and where each is: on the new map, or, if it was removed, on the old one.
+    /// Names of the things, and where each is: on the new map, or, if it was removed, on the old one.
     pub things: Vec<(String, Point)>,
 }
 
 /// Something with a name.
 struct Thing {
     at: Point,
-    /// All else about it, as a text that is the same where nothing is different.
+    /// All other properties, as a text that is equal if nothing differs.
     rest: String,
 }
 
 type Things = BTreeMap<String, Thing>;
 
-/// All differences, by sort and way; nothing where there is none.
+/// All differences, by sort and kind of difference; none if the maps are equal.
 pub fn differences(old: &Warehouse, new: &Warehouse) -> Vec<Difference> {
     let of_kind = |kind: NodeKind| move |w: &Warehouse| nodes(w, Some(kind));
     let mut found = Vec::new();
@@ -81,7 +81,7 @@ fn named(name: &str, at: Point, rest: String) -> (String, Thing) {
     (name.to_owned(), Thing { at, rest })
 }
 
-/// All nodes, or those for one purpose.
+/// All nodes, or only those with one purpose.
 fn nodes(w: &Warehouse, kind: Option<NodeKind>) -> Things {
     let meant = w.nodes.iter().filter(|n| kind.is_none_or(|kind| n.kind == kind));
     meant.map(|n| named(&n.name, n.at, String::new())).collect()
@@ -103,7 +103,7 @@ fn racks(w: &Warehouse) -> Things {
     w.racks.iter().map(|r| named(&r.name, w.nodes[r.home].at, rest(r))).collect()
 }
 
-/// Lanes by their ends. One that leads between nodes that moved has not changed.
+/// Lanes by their ends. A lane between nodes that moved has not changed.
 fn lanes(w: &Warehouse) -> Things {
     let thing = |l: &Lane| {
         let (a, b) = (&w.nodes[l.a], &w.nodes[l.b]);
@@ -119,7 +119,7 @@ fn lanes(w: &Warehouse) -> Things {
     w.lanes.iter().map(thing).collect()
 }
 
-/// Outlines have no names: one that was changed is another one.
+/// Outlines have no names: a changed outline counts as another one.
 fn outlines(all: &[Vec<Point>]) -> Things {
     let name = |ring: &Vec<Point>| {
         ring.iter().map(|p| format!("({:.2}, {:.2})", p.x, p.y)).collect::<Vec<_>>().join(" ")

@@ -1,4 +1,4 @@
-//! What a robot takes of the floor: its outline, and what that outline covers where the robot turns and drives.
+//! What a robot takes of the floor: its outline, and the area that the outline covers while the robot turns and drives.
 //!
 //! Main types: [`Footprint`], [`Hull`] (an outline at a place). Refuses: outlines that are not convex; it takes their
 //! hull.
@@ -7,24 +7,24 @@ use super::corridor::Corridor;
 use crate::geometry::{Point, Pose, Segment, Vector};
 use nalgebra::Rotation2;
 
-/// The outline of a robot, with its rack where it carries one, around the point on which it turns.
+/// The outline of a robot, with its rack if it carries one, around the point on which it turns.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Footprint {
-    /// A square along the map's axes, whichever way the robot turned: racks keep their orientation.
+    /// A square along the map's axes, whichever way the robot is turned: racks keep their orientation.
     Square {
-        /// Its side, metres.
+        /// Side of the square, metres.
         side_m: f64,
     },
     /// A disc.
     Circle {
-        /// Its radius, metres.
+        /// Radius of the disc, metres.
         radius_m: f64,
     },
-    /// A polygon, of which the hull counts.
+    /// A polygon, of which the hull is used.
     Polygon {
         /// Corners, metres, x ahead and y to the left of the robot; along the map's axes if it does not turn.
         corners: Vec<Point>,
-        /// Whether the robot turns to where it drives (differential drive); else it keeps its orientation.
+        /// Whether the robot turns to where it drives (differential drive); otherwise it keeps its orientation.
         turns: bool,
     },
 }
@@ -36,11 +36,11 @@ pub struct Hull {
     round_m: f64,
 }
 
-/// Directions in which extents are compared, a multiple of eight.
+/// Number of directions in which extents are compared, a multiple of eight.
 const DIRECTIONS: u32 = 64;
 
 impl Footprint {
-    /// The body of a robot at a pose.
+    /// The area of a robot at a pose.
     pub fn at(&self, pose: Pose) -> Hull {
         let placed = |corner: Point| pose.at + corner.coords;
         match self {
@@ -56,7 +56,7 @@ impl Footprint {
         }
     }
 
-    /// What a robot takes that stands at a place and may turn there: its turning circle, if it turns.
+    /// The area of a robot that stands at a place and may turn there: its turning circle, if it turns.
     pub fn standing(&self, at: Point) -> Hull {
         match self {
             Footprint::Polygon { corners, turns: true } => {
@@ -66,7 +66,7 @@ impl Footprint {
         }
     }
 
-    /// What a robot takes that drives a lane, whichever way.
+    /// The area of a robot that drives a lane, either way.
     pub fn driving(&self, lane: Segment) -> Hull {
         let ahead = lane.heading();
         let headings = [ahead, ahead + std::f64::consts::PI];
@@ -76,16 +76,15 @@ impl Footprint {
         Hull { corners: hull(bodies.into_iter().flat_map(|b| b.corners).collect()), round_m }
     }
 
-    /// What a robot takes that may leave the line of a lane within a corridor: what it takes on the line, and the
-    /// corridor. Beside the lane this is exactly the corridor; beyond its ends it reaches as far as on the line, at
-    /// most.
+    /// The area of a robot that may leave the line of a lane within a corridor: its area on the line, and the corridor.
+    /// Beside the lane this is exactly the corridor; beyond its ends it reaches at most as far as on the line.
     pub fn free(&self, lane: Segment, corridor: Corridor) -> Hull {
         let Hull { mut corners, round_m } = self.driving(lane);
         corners.extend(corridor.corners(lane, round_m));
         Hull { corners: hull(corners), round_m }
     }
 
-    /// Half of its width where it is widest: how far from its middle it reaches along an axis of the map, metres.
+    /// Half of the greatest width: how far the outline reaches from its middle along an axis of the map, metres.
     pub fn half_m(&self) -> f64 {
         match self {
             Footprint::Square { side_m } => side_m / 2.0,
@@ -97,7 +96,7 @@ impl Footprint {
         }
     }
 
-    /// Whether it lies within another one wherever both stand, turn and drive.
+    /// Whether this footprint lies within another one wherever both stand, turn and drive.
     pub fn is_within(&self, other: &Footprint) -> bool {
         let at = Point::origin();
         let headings = (0..8).map(|i| f64::from(i) * std::f64::consts::FRAC_PI_4);
@@ -109,7 +108,7 @@ impl Footprint {
 }
 
 impl Hull {
-    /// Whether it and another one overlap by more than `slack_m`.
+    /// Whether this hull and another one overlap by more than `slack_m`.
     ///
     /// Two convex shapes are apart exactly if they are along some axis, and for rounded polygons one of these is among
     /// the normals of all edges and the directions between all corners (Ericson 2005, 5.2.1).
@@ -124,7 +123,7 @@ impl Hull {
         })
     }
 
-    /// Its distance from a point outside, metres; zero within.
+    /// Distance of the hull from a point outside, metres; zero within.
     pub fn distance_to(&self, p: Point) -> f64 {
         if self.corners.len() > 2 && crate::geometry::inside(&self.corners, p) {
             return 0.0;
@@ -133,14 +132,14 @@ impl Hull {
         (edges.fold(f64::INFINITY, f64::min) - self.round_m).max(0.0)
     }
 
-    /// How deep a place lies within, metres: its distance from the edge of this, negative outside.
+    /// Depth of a place within the hull, metres: its distance from the hull's edge, negative outside.
     pub fn depth_of(&self, p: Point) -> f64 {
         let nearest = self.edges().map(|e| e.distance_to(p)).fold(f64::INFINITY, f64::min);
         let within = self.corners.len() > 2 && crate::geometry::inside(&self.corners, p);
         self.round_m + if within { nearest } else { -nearest }
     }
 
-    /// Whether all of another one lies within, up to `slack_m`. Both are convex: the corners decide.
+    /// Whether all of another hull lies within, up to `slack_m`. Both are convex: the corners decide.
     pub fn holds(&self, other: &Hull, slack_m: f64) -> bool {
         other.corners.iter().all(|c| self.depth_of(*c) >= other.round_m - slack_m)
     }
@@ -173,7 +172,7 @@ fn farthest_m(corners: &[Point]) -> f64 {
     corners.iter().map(|c| c.coords.norm()).fold(0.0, f64::max)
 }
 
-/// Least and most of points along an axis.
+/// Least and greatest coordinate of points along an axis.
 fn extent(points: &[Point], axis: Vector) -> (f64, f64) {
     let along = points.iter().map(|p| p.coords.dot(&axis));
     along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))

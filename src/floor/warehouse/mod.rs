@@ -1,7 +1,7 @@
-//! The building: nodes, lanes, racks, stations, chargers, and which of them get in each other's way.
+//! The building: nodes, lanes, racks, stations, chargers, and which of them exclude each other.
 //!
-//! Main types: [`Warehouse`] (exists only validated), [`Node`], [`Arc`], [`Station`]; [`formats`] reads and
-//! writes maps as text. Refuses: anything that moves or changes with time, and reading files itself.
+//! Main types: [`Warehouse`] (exists only validated), [`Node`], [`Arc`], [`Station`]; [`formats`] reads and writes maps
+//! as text. Refuses: anything that moves or changes with time, and reading files itself.
 
 mod bay;
 mod body;
@@ -39,14 +39,14 @@ use crate::id::{ArcId, BodyId, Dense, IdVec, LaneId, NodeId, RackId, RackTypeId,
 use crate::time::Span;
 use smallvec::SmallVec;
 
-/// What a node is for. Only `Aisle` nodes carry through traffic of loaded robots.
+/// The purpose of a node. Only `Aisle` nodes carry through traffic of loaded robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NodeKind {
     /// Open floor to drive over.
     Aisle,
     /// A place for one rack. Unloaded robots may drive beneath; a loaded one only ends or starts here.
     Storage,
-    /// Where a robot stands while a person picks from its rack.
+    /// The place of a robot while a person picks from its rack.
     Station(StationId),
     /// A waiting place before a station; entered only by robots bound for it.
     Queue(StationId),
@@ -64,7 +64,7 @@ impl NodeKind {
         matches!(self, NodeKind::Storage | NodeKind::Charger | NodeKind::Parking)
     }
 
-    /// If only robots bound for one station may enter, that station.
+    /// The station, if only robots bound for one station may enter.
     pub fn reserved_for(self) -> Option<StationId> {
         match self {
             NodeKind::Station(s) | NodeKind::Queue(s) => Some(s),
@@ -76,11 +76,11 @@ impl NodeKind {
 /// A place where a robot can stand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// The map's own name for it, unique.
+    /// The map's own name for the node, unique.
     pub name: String,
-    /// Where, metres.
+    /// Position, metres.
     pub at: Point,
-    /// What for.
+    /// Purpose of the node.
     pub kind: NodeKind,
 }
 
@@ -106,73 +106,73 @@ impl Users {
     /// People only.
     pub const PEOPLE: Users = Users { loaded: false, unloaded: false, people: true };
 
-    /// Whether a robot may, with or without a rack.
+    /// Whether a robot may use the lane, with or without a rack.
     pub fn allows(self, loaded: bool) -> bool {
         if loaded { self.loaded } else { self.unloaded }
     }
 }
 
-/// A lane, whichever way it is driven.
+/// A lane, in either direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lane {
     /// One end.
     pub a: NodeId,
     /// The other end.
     pub b: NodeId,
-    /// Whether it may be driven from `b` to `a` too.
+    /// Whether the lane may also be driven from `b` to `a`.
     pub both: bool,
     /// Length, metres.
     pub length_m: f64,
     /// Speed limit of the lane, metres per second.
     pub speed_limit_mps: Option<f64>,
-    /// Which robots may use it, and whether people may.
+    /// Which robots may use the lane, and whether people may.
     pub users: Users,
-    /// The kinds of robots that may use it; nothing for all.
+    /// The kinds of robots that may use the lane; nothing for all.
     pub kinds: Option<Vec<String>>,
-    /// How far robots that need not keep to the line may leave it; nothing where all keep to it.
+    /// How far robots that need not keep to the line may leave it; nothing if all keep to it.
     pub corridor: Option<Corridor>,
 }
 
-/// A lane driven in one direction: what the search expands.
+/// A lane driven in one direction: the search expands arcs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
-    /// The lane.
+    /// The lane of the arc.
     pub lane: LaneId,
-    /// From here …
+    /// Start of the arc.
     pub from: NodeId,
-    /// … to here.
+    /// End of the arc.
     pub to: NodeId,
     /// Heading while driving, radians.
     pub heading: f64,
-    /// Which of the distinct arrival headings of `to` this is; see [`Warehouse::headings`].
+    /// Index of this heading among the distinct arrival headings of `to`; see [`Warehouse::headings`].
     pub slot: u8,
     /// Length, metres.
     pub length_m: f64,
-    /// Speed limit, metres per second; infinite where there is none.
+    /// Speed limit, metres per second; infinite if there is none.
     pub speed_limit_mps: f64,
-    /// Which robots may use it, and whether people may.
+    /// Which robots may use the arc, and whether people may.
     pub users: Users,
 }
 
-/// What the search needs of an arc, packed: it looks at millions of them.
+/// The data that the search needs of an arc, packed: it looks at millions of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Way {
-    /// Where it leads.
+    /// End of the arc.
     pub to: NodeId,
-    /// The lane.
+    /// The lane of the arc.
     pub lane: LaneId,
     /// See [`Arc::slot`].
     pub slot: u8,
-    /// Whether driving the lane asks for nothing beyond its ends.
+    /// Whether driving the lane needs nothing beyond its ends.
     pub lane_is_free: bool,
-    /// Which robots may use it, and whether people may.
+    /// Which robots may use the arc, and whether people may.
     pub users: Users,
-    /// A bit for each kind of robots that may.
+    /// A bit for each kind of robots that may use the arc.
     pub bodies: u32,
 }
 
 impl Way {
-    /// Whether robots of a kind may drive it.
+    /// Whether robots of a kind may drive the arc.
     pub fn is_for(&self, body: BodyId) -> bool {
         self.bodies >> body.ix() & 1 == 1
     }
@@ -181,15 +181,15 @@ impl Way {
 /// A picking station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
-    /// The map's name for it, unique.
+    /// The map's name for the station, unique.
     pub name: String,
-    /// Where the robot stands while a person picks.
+    /// The place of a robot while a person picks.
     pub node: NodeId,
     /// Waiting places, the one next to the station first.
     pub queue: Vec<NodeId>,
-    /// How long a pick takes unless the job says otherwise.
+    /// Duration of a pick unless the job says otherwise.
     pub pick: Span,
-    /// Its work cell; without one, picks are spans of time.
+    /// The station's work cell; without one, picks are spans of time.
     pub cell: Option<Cell>,
 }
 
@@ -200,20 +200,20 @@ pub struct Rack {
     pub name: String,
     /// The storage node where it stands when the system starts for the first time.
     pub home: NodeId,
-    /// What type of load it is, for robots that carry some types only.
+    /// The type of load, for robots that carry some types only.
     pub load: Option<String>,
-    /// Its weight, kilograms.
+    /// Weight of the rack, kilograms.
     pub weight_kg: f64,
-    /// How its bins are arranged; without a type it has no slots.
+    /// The arrangement of the rack's bins; without a type it has no slots.
     pub rack_type: Option<RackTypeId>,
 }
 
-/// A mark on the floor: a place that can be touched or seen, by which a headset finds where it is.
+/// A mark on the floor: a place that can be touched or seen, with which a headset finds its position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorMark {
-    /// Unique name. A node that has it, too, stands at the same place.
+    /// Unique name. A node with the same name is at the same place.
     pub name: String,
-    /// Where, metres.
+    /// Position, metres.
     pub at: Point,
 }
 
@@ -234,7 +234,7 @@ pub struct Warehouse {
     pub stations: IdVec<StationId, Station>,
     /// All racks.
     pub racks: IdVec<RackId, Rack>,
-    /// How bins are arranged in racks.
+    /// Arrangements of bins in racks.
     pub rack_types: IdVec<RackTypeId, RackType>,
     /// Outlines of the floor on which people may walk.
     pub walkable: Vec<Vec<Point>>,
@@ -265,7 +265,7 @@ impl Warehouse {
         (from..to).map(|i| (ArcId::at(i), self.ways[ArcId::at(i)]))
     }
 
-    /// What a node is for, without the rest of it.
+    /// The purpose of a node, without the rest of it.
     pub fn kind(&self, n: NodeId) -> NodeKind {
         self.kinds[n]
     }
@@ -275,39 +275,39 @@ impl Warehouse {
         &self.headings[n]
     }
 
-    /// The node as a thing that is held.
+    /// The node as a resource.
     pub fn node_resource(&self, n: NodeId) -> ResourceId {
         ResourceId(n.0)
     }
 
-    /// The lane as a thing that is held.
+    /// The lane as a resource.
     pub fn lane_resource(&self, l: LaneId) -> ResourceId {
         ResourceId::at(self.nodes.len() + l.ix())
     }
 
-    /// Which node or lane a resource is.
+    /// The node, or else the lane, of a resource.
     pub fn resource(&self, r: ResourceId) -> Result<NodeId, LaneId> {
         if r.ix() < self.nodes.len() { Ok(NodeId(r.0)) } else { Err(LaneId::at(r.ix() - self.nodes.len())) }
     }
 
-    /// Nodes and lanes together.
+    /// Number of nodes and lanes together.
     pub fn resource_count(&self) -> usize {
         self.nodes.len() + self.lanes.len()
     }
 
-    /// The resources that no other robot may hold while `r` is held, without `r` itself, where both robots take the
-    /// square of the map (see [`Warehouse::lines_in_conflict`] for others). A lane's own end nodes are not among them:
-    /// a robot that drives a lane holds both ends anyway, so most lanes have none at all.
+    /// The resources that no other robot may hold while `r` is held, without `r` itself, if both robots take the square
+    /// of the map (see [`Warehouse::lines_in_conflict`] for others). A lane's own end nodes are not included: a robot
+    /// that drives a lane holds both ends anyway, so most lanes have no conflicts at all.
     pub fn conflicts(&self, r: ResourceId) -> &[ResourceId] {
         &self.conflicts[r]
     }
 
-    /// Whether driving the lane asks for nothing beyond its two ends, so that it needs no timeline.
+    /// Whether driving the lane needs nothing beyond its two ends, so that it needs no timeline.
     pub fn lane_is_free_of_conflicts(&self, l: LaneId) -> bool {
         self.lines_of(self.lane_resource(l)).all(|line| self.lines[line].is_empty())
     }
 
-    /// How many resources need a timeline of their own: all nodes, and the lanes that reach beyond their ends.
+    /// Number of resources that need a timeline of their own: all nodes, and the lanes that reach beyond their ends.
     pub fn timeline_count(&self) -> usize {
         self.nodes.len() + self.lanes.ids().filter(|l| !self.lane_is_free_of_conflicts(*l)).count()
     }
@@ -328,7 +328,7 @@ impl Warehouse {
         self.nodes.pairs().find(|(_, n)| n.name == name).map(|(i, _)| i)
     }
 
-    /// Where a mark of this name is; every node is one, too.
+    /// The position of the mark with this name; every node is a mark, too.
     pub fn mark_named(&self, name: &str) -> Option<Point> {
         let mark = self.marks.iter().find(|m| m.name == name).map(|m| m.at);
         mark.or_else(|| self.node_named(name).map(|n| self.nodes[n].at))

@@ -1,4 +1,4 @@
-//! Points in square buckets: which of them are near a place.
+//! Points in square buckets, to find the points near a place.
 //!
 //! Main type: [`PointIndex`]. Refuses: points that move; it is built once.
 
@@ -21,7 +21,7 @@ pub(super) struct PointIndex {
 }
 
 impl PointIndex {
-    /// Sorts the points, which are numbered as they come.
+    /// Sorts the points, which are numbered in the order given.
     pub fn new(points: Vec<Point>) -> PointIndex {
         let Some(&first) = points.first() else { return PointIndex::default() };
         let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
@@ -63,7 +63,7 @@ impl PointIndex {
         let span = |from: f64, count: usize| {
             let first = ((from - radius) / SIDE).floor().max(0.0) as usize;
             let last = ((from + radius) / SIDE).floor();
-            // An empty range where the place is beyond all buckets.
+            // An empty range if the place is beyond all buckets.
             if last < 0.0 { 0..0 } else { first..(last as usize + 1).min(count) }
         };
         for row in span(at.y - self.low.y, self.rows) {
@@ -79,7 +79,7 @@ impl PointIndex {
         }
     }
 
-    /// The nearest point, the first of equals; nothing where there are no points.
+    /// The nearest point, the first of equals; nothing if there are no points.
     pub fn nearest(&self, at: Point) -> Option<(usize, f64)> {
         let far = SIDE * (self.columns + self.rows) as f64 + (at - self.low).norm();
         let mut radius = SIDE;

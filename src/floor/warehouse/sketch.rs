@@ -1,6 +1,6 @@
 //! Small maps drawn with letters, for tests and examples.
 //!
-//! Main function: [`sketch`]. Refuses: anything that letters cannot say; add that to the draft.
+//! Main function: [`sketch`]. Refuses: anything that letters cannot express; add that to the draft.
 
 use super::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, Users};
 use crate::geometry::Point;

@@ -1,4 +1,4 @@
-//! What a map holds, in numbers.
+//! The contents of a map in numbers.
 //!
 //! Main types: [`MapSummary`]. Refuses: judging the numbers; [`super::room_for`] does that.
 
@@ -13,31 +13,31 @@ use std::fmt;
 pub struct MapSummary {
     /// Name of the map.
     pub name: String,
-    /// Nodes of every kind.
+    /// Number of nodes of every kind.
     pub nodes: usize,
-    /// Lanes, whichever way they are driven.
+    /// Number of lanes, each counted once for both directions.
     pub lanes: usize,
-    /// Lanes that may be driven one way only.
+    /// Number of lanes that may be driven one way only.
     pub one_way_lanes: usize,
-    /// Resources that need a timeline of their own.
+    /// Number of resources that need a timeline of their own.
     pub timeline_resources: usize,
-    /// Pairs of resources that two robots cannot hold at once, beyond lanes and their ends.
+    /// Number of pairs of resources that two robots cannot hold at once, beyond lanes and their ends.
     pub conflicts: usize,
-    /// Places for racks.
+    /// Number of places for racks.
     pub storage: usize,
-    /// Racks.
+    /// Number of racks.
     pub racks: usize,
-    /// Picking stations.
+    /// Number of picking stations.
     pub stations: usize,
-    /// Waiting places before stations.
+    /// Number of waiting places before stations.
     pub queue_places: usize,
-    /// Charging places.
+    /// Number of charging places.
     pub chargers: usize,
-    /// Parking places.
+    /// Number of parking places.
     pub parking: usize,
-    /// Places where a robot may stay for ever: storage, chargers and parking together.
+    /// Number of places where a robot may stay for ever: storage, chargers and parking together.
     pub lasting_places: usize,
-    /// Doors for people.
+    /// Number of doors for people.
     pub exits: usize,
     /// Extent along x, metres.
     pub width_m: f64,

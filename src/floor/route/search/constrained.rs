@@ -1,9 +1,9 @@
-//! The search near people: closed times are no free windows, no move happens while an end of a lane may not be entered
+//! The search near people: closed times are not free windows, no move happens while an end of a lane may not be entered
 //! or left, driving may be slower, and being there may cost.
 //!
 //! A place that will be closed by hand may still be the end of a route for a while ([`COME_OUT`]).
 //!
-//! Main function: `Search::enter_constrained`. Refuses: to be entered where no condition holds; that would cost time.
+//! Main function: `Search::enter_constrained`. Refuses: to be called where no condition holds; that would cost time.
 
 use super::{FREE, Hop, Label, Labels, Open, Search};
 use crate::id::{LineId, NodeId};
@@ -15,7 +15,7 @@ use crate::timeline::{FreeWindow, Overlay};
 use crate::warehouse::Warehouse;
 use smallvec::{SmallVec, smallvec};
 
-/// The free windows of a node that end after `t`, without the time in which it is closed.
+/// The free windows of a node that end after `t`, without the times in which it is closed.
 pub(super) fn open_windows(
     warehouse: &Warehouse,
     timeline: &Overlay<'_>,
@@ -46,14 +46,14 @@ pub(super) fn open_windows(
     open
 }
 
-/// Parts of a free window are told apart above this bit of its index.
+/// Bit of a window's index from which on the parts of a free window are numbered.
 const PARTS_AT: u32 = 20;
 
-/// A robot that ends in an area that will be closed must have this long to come out again. Routes are planned one
-/// errand at a time, so the way out is not known yet.
+/// Time that a robot must have to come out of an area that will be closed, if its route ends there. Routes are planned
+/// one errand at a time, so the route out is not known yet.
 pub const COME_OUT: Span = Span::from_secs(60);
 
-/// Parts of the last goal's window without end which a closure ends, by index, with the latest arrival.
+/// Parts of the last goal's endless window that a closure ends, by index, with the latest arrival.
 pub(super) type Brief = SmallVec<[(u32, i64); 1]>;
 
 /// Where a robot may end although a closure will begin there: no other robot comes, and it has time to leave.
@@ -85,7 +85,7 @@ impl Search<'_> {
         self.brief.iter().any(|(part, latest)| *part == label.free.index && label.lo <= *latest)
     }
 
-    /// `Search::enter_gaps` where people are near either end of the lane.
+    /// As `Search::enter_gaps`, for lanes with conditions at either end.
     pub(super) fn enter_constrained(
         &self,
         labels: &mut Labels,
@@ -121,7 +121,7 @@ impl Search<'_> {
         }
     }
 
-    /// A hop that ends in one motion, as people let it be, and what it costs beyond its time.
+    /// A hop that ends in one motion, adjusted to the conditions, with its cost beyond time.
     fn careful(
         &self,
         label: &Label,
@@ -145,7 +145,7 @@ impl Search<'_> {
         self.ask.conditions.binding(node, self.warehouse.nodes[node].at, self.ask.exemptions)
     }
 
-    /// How long the lane takes if either end is where robots go slowly when it is driven; zero where neither is.
+    /// Duration of the lane if either end is slow when it is driven; zero if neither is.
     fn slow(&self, ends: &[NodeId; 2], label: &Label, hop: &Hop, drive: Window, to: MotionState) -> Span {
         let loaded = self.ask.stages[usize::from(label.stage)].loaded;
         let limits = ends.iter().flat_map(|n| self.binding(*n)).filter_map(|c| match c.effect {
@@ -157,7 +157,7 @@ impl Search<'_> {
         limit.map_or(Span::ZERO, |l| drive_span(self.pace.rules(), arc.length_m, l, loaded, label.motion, to))
     }
 
-    /// What being at a node about then costs.
+    /// The cost of being at a node at about that time.
     fn price(&self, node: NodeId, t: Time) -> Span {
         let stay = Window::new(t, t + Span::from_secs(1));
         let prices = self.binding(node).filter(|c| c.window.overlaps(stay)).filter_map(|c| match c.effect {

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Figure 4.3b of Petković 2021: the node C is in conflict with B, D and E. The way of Blue to B leads over C.
+/// Figure 4.3b of Petković 2021: the node C is in conflict with B, D and E. Blue's way to B leads over C.
 fn figure() -> Arc<Warehouse> {
     let mut draft = Draft { name: "figure 4.3".into(), footprint_m: 0.9, ..Draft::default() };
     for (name, x, y) in

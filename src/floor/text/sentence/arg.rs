@@ -1,32 +1,32 @@
-//! What stands in the places of a sentence.
+//! The values of the places of a sentence.
 //!
-//! Main type: [`SentenceArg`]. Refuses: units and formats of numbers, which are those of the language.
+//! Main type: [`SentenceArg`]. Refuses: units and formats of numbers, which depend on the language.
 
 use super::Sentence;
 use std::fmt;
 
-/// What stands in one place of a sentence.
+/// The value of one place of a sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SentenceArg {
-    /// A name, or words that nobody translates.
+    /// A name, or words that are not translated.
     Text(String),
     /// A whole number.
     Number(i64),
-    /// A number with so many digits behind the point: 62 with 2 of them is 0.62.
+    /// A number with this many digits behind the point: 62 with 2 of them is 0.62.
     Decimal(i64, u8),
     /// A sentence within the sentence.
     Sentence(Box<Sentence>),
-    /// Several of them, with commas between names and semicolons between sentences.
+    /// Several values, with commas between names and semicolons between sentences.
     List(Vec<SentenceArg>),
 }
 
 impl SentenceArg {
-    /// A number, rounded to so many digits behind the point.
+    /// A number, rounded to this many digits behind the point.
     pub fn rounded(number: f64, digits: u8) -> SentenceArg {
         SentenceArg::Decimal((number * ten_to(digits)).round() as i64, digits)
     }
 
-    /// A number with so many digits behind the point at most.
+    /// A number with at most this many digits behind the point.
     pub fn up_to(number: f64, digits: u8) -> SentenceArg {
         let (mut n, mut digits) = ((number * ten_to(digits)).round() as i64, digits);
         while digits > 0 && n % 10 == 0 {
@@ -35,7 +35,7 @@ impl SentenceArg {
         SentenceArg::Decimal(n, digits)
     }
 
-    /// Nothing: a place at the end of a sentence that has no such end.
+    /// An empty value: for a place at the end of a sentence that has no such end.
     pub fn nothing() -> SentenceArg {
         SentenceArg::Text(String::new())
     }
@@ -94,7 +94,7 @@ impl<T: Into<SentenceArg>> From<Vec<T>> for SentenceArg {
     }
 }
 
-/// What is left out leaves its place empty.
+/// A missing value leaves its place empty.
 impl<T: Into<SentenceArg>> From<Option<T>> for SentenceArg {
     fn from(arg: Option<T>) -> SentenceArg {
         arg.map_or_else(SentenceArg::nothing, Into::into)

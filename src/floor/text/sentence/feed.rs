@@ -1,4 +1,4 @@
-//! What is wrong with what headsets and other devices send, and marks that do not fit.
+//! What is wrong with the data of headsets and other devices, and marks that do not fit.
 //!
 //! Constructors of sentences; each is named after its code. Refuses: to decide what is said.
 

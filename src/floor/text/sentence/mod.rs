@@ -1,10 +1,10 @@
-//! Sentences for people, each with a code and named places, so that a program can say them in other languages.
+//! Sentences for people, each with a code and named places, so that a program can show them in other languages.
 //!
 //! Main types: [`Sentence`], [`SentenceArg`]. The files beside this one list all sentences by subject, once each:
 //! `waits_for(place, robot) = "waits for {place}, held by {robot}"` makes the constructor `waits_for`, the English text
 //! and the entry in [`SENTENCES`]. `web/src/language/said/` has each code in every other language of the dashboard; a
-//! test here compares both. Refuses: a sentence that is made elsewhere, but for what recordings and databases of
-//! earlier versions have as text alone.
+//! test here compares both. Refuses: a sentence that is made elsewhere, except for text without a code in recordings
+//! and databases of earlier versions.
 
 pub mod alarms;
 mod arg;
@@ -22,7 +22,7 @@ pub use wire::SentenceArgs;
 
 use std::fmt;
 
-/// What is said to people: a code, what stands in its places, and the same in English.
+/// A sentence for people: a code, the values of its places, and its English text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Sentence {
     code: Option<&'static str>,
@@ -31,7 +31,7 @@ pub struct Sentence {
 }
 
 impl Sentence {
-    /// Called by the constructors alone: the English text is made from the same code and arguments.
+    /// Called only by the constructors: the English text is made from the same code and arguments.
     fn new(code: &'static str, args: Vec<(&'static str, SentenceArg)>, text: String) -> Sentence {
         let args = SentenceArgs(args.into_iter().map(|(name, arg)| (name.into(), arg)).collect());
         Sentence { code: Some(code), args, text }
@@ -42,12 +42,12 @@ impl Sentence {
         Sentence { text: text.into(), ..Sentence::default() }
     }
 
-    /// Which sentence it is; nothing for texts from before sentences had codes.
+    /// The code of the sentence; nothing for texts from before sentences had codes.
     pub fn code(&self) -> Option<&'static str> {
         self.code
     }
 
-    /// In English.
+    /// The English text.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -57,12 +57,12 @@ impl Sentence {
         (self.code, self.args, self.text)
     }
 
-    /// The sentence of these parts, which were one before.
+    /// A sentence from the parts of one.
     pub fn from_parts(code: Option<&'static str>, args: SentenceArgs, text: String) -> Sentence {
         Sentence { code, args, text }
     }
 
-    /// As a database keeps it in a column of texts; [`Sentence::read`] reads it.
+    /// The sentence as a database stores it in a text column; [`Sentence::read`] reads it.
     pub fn kept(&self) -> String {
         match self.code {
             Some(_) => serde_json::to_string(self).expect("sentences are plain"),
@@ -70,7 +70,7 @@ impl Sentence {
         }
     }
 
-    /// What [`Sentence::kept`] wrote, or a text from before sentences had codes.
+    /// Reads what [`Sentence::kept`] wrote, or a text from before sentences had codes.
     pub fn read(kept: &str) -> Sentence {
         let sentence = if kept.starts_with('{') { serde_json::from_str(kept).ok() } else { None };
         sentence.unwrap_or_else(|| Sentence::without_code(kept))
@@ -83,10 +83,10 @@ impl fmt::Display for Sentence {
     }
 }
 
-/// A sentence as it is listed.
+/// An entry in the list of sentences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SentenceEntry {
-    /// Its code.
+    /// Code of the sentence.
     pub code: &'static str,
     /// Names of its places, in the order of the constructor.
     pub places: &'static [&'static str],

@@ -1,4 +1,4 @@
-//! Why robots and jobs do not go on, and why jobs failed.
+//! Why robots and jobs do not continue, and why jobs failed.
 //!
 //! Constructors of sentences; each is named after its code. Refuses: to decide what is said.
 

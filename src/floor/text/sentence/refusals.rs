@@ -1,4 +1,4 @@
-//! Why the fleet refuses what it is asked for.
+//! Why the fleet refuses a request.
 //!
 //! Constructors of sentences; each is named after its code. Refuses: to decide what is said.
 

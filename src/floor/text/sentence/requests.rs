@@ -1,5 +1,5 @@
-//! What is wrong with requests. `malformed` and `unavailable` have the words of a parser, of the server or of a
-//! check for developers and operators.
+//! What is wrong with requests. `malformed` and `unavailable` carry the words of a parser, of the server or of a check
+//! for developers and operators.
 //!
 //! Constructors of sentences; each is named after its code. Refuses: to decide what is said.
 

@@ -1,4 +1,4 @@
-//! The list of sentences against its translations, and sentences there and back.
+//! The list of sentences against its translations, and round trips of sentences.
 
 use super::*;
 use serde_json::{Value, json};

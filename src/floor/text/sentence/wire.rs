@@ -1,8 +1,8 @@
-//! Sentences as they travel and are kept: `{"code", "args", "text"}`, where an argument is a text, a number, a list, or
+//! Sentences on the wire and in storage: `{"code", "args", "text"}`, where an argument is a text, a number, a list, or
 //! a sentence of the same form.
 //!
 //! Main type: [`SentenceArgs`]. A bare text is read as a sentence without a code: recordings and databases of earlier
-//! versions have such. Refuses: to make a text from a code that it read; the text is written beside it.
+//! versions have such texts. Refuses: to make a text from a code that it read; the text is written beside it.
 
 use super::arg::ten_to;
 use super::{SENTENCES, Sentence, SentenceArg};
@@ -12,12 +12,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::borrow::Cow;
 
-/// What stands in the places of a sentence, by their names.
+/// The values of the places of a sentence, by their names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SentenceArgs(pub(super) Box<[(Cow<'static, str>, SentenceArg)]>);
 
 impl SentenceArgs {
-    /// Whether there are none.
+    /// Whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -68,7 +68,7 @@ fn read(value: &Value) -> Option<Sentence> {
     }
     let text = value.get("text")?.as_str()?;
     let code = value.get("code").and_then(Value::as_str);
-    // A newer version may know others.
+    // A newer version may know other codes.
     let known = |code| SENTENCES.into_iter().flatten().find(|entry| entry.code == code);
     let Some(entry) = code.and_then(known) else { return Some(Sentence::without_code(text)) };
     let args = value.get("args").and_then(Value::as_object).into_iter().flatten();
@@ -86,7 +86,7 @@ fn read_arg(value: &Value) -> Option<SentenceArg> {
     }
 }
 
-/// As many digits as it was written with.
+/// A decimal with as many digits as were written.
 fn decimal(n: &serde_json::Number) -> SentenceArg {
     let text = n.to_string();
     let digits = text.split_once('.').map_or(0, |(_, digits)| digits.len().min(9) as u8);

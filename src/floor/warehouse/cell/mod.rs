@@ -1,7 +1,7 @@
 //! A picking station as a work cell: where the picker stands, through which opening hands reach, where totes stand, and
-//! where each slot of a rack is that stands there.
+//! where each slot of the rack at the station is.
 //!
-//! Main types: [`Cell`], [`RackType`], [`SlotName`]. Refuses: to know what is in a slot, and what is to be picked.
+//! Main types: [`Cell`], [`RackType`], [`SlotName`]. Refuses: to know what is in a slot, and what must be picked.
 
 mod slot;
 
@@ -17,7 +17,7 @@ pub type Place = nalgebra::Point3<f64>;
 pub struct Cell {
     /// Where the picker stands: corners of an outline on the floor, metres. No robot drives there.
     pub workplace: Vec<Point>,
-    /// Between workplace and rack.
+    /// The opening between workplace and rack.
     pub opening: CellOpening,
     /// Where picked pieces are put.
     pub totes: Vec<Tote>,
@@ -25,34 +25,34 @@ pub struct Cell {
     pub arm: Option<ArmMount>,
 }
 
-/// What hands reach through to a rack.
+/// The opening through which hands reach to a rack.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellOpening {
-    /// Corners of its outline on the floor, metres.
+    /// Corners of the opening's outline on the floor, metres.
     pub outline: Vec<Point>,
-    /// Its lower edge above the floor, metres.
+    /// Height of the opening's lower edge above the floor, metres.
     pub from_m: f64,
-    /// Its upper edge above the floor, metres.
+    /// Height of the opening's upper edge above the floor, metres.
     pub to_m: f64,
 }
 
 /// A place for picked pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tote {
-    /// Its name, unique in the station.
+    /// Name of the tote, unique in the station.
     pub name: String,
-    /// The middle of its rim.
+    /// The middle of the tote's rim.
     pub at: Place,
 }
 
 /// Where a robot arm is mounted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmMount {
-    /// The middle of its base.
+    /// The middle of the arm's base.
     pub base: Place,
-    /// Where its zero position faces, radians.
+    /// Direction that the arm's zero position faces, radians.
     pub heading: f64,
-    /// What arm it is.
+    /// The kind of arm.
     pub kind: String,
 }
 
@@ -63,21 +63,21 @@ pub struct RackType {
     pub name: String,
     /// Number of columns; all are equally wide.
     pub columns: u8,
-    /// For each row, the lowest first: the middle of its bins above the floor, metres.
+    /// For each row, the lowest first: height of the middle of its bins above the floor, metres.
     pub heights_m: Vec<f64>,
     /// Width over all columns, metres.
     pub width_m: f64,
-    /// From the middle of the rack to its face, metres.
+    /// Distance from the middle of the rack to its face, metres.
     pub face_m: f64,
 }
 
 impl RackType {
-    /// Whether it has this slot.
+    /// Whether the type has this slot.
     pub fn has(&self, slot: SlotName) -> bool {
         slot.column() < self.columns && usize::from(slot.row()) < self.heights_m.len()
     }
 
-    /// All its slots, row by row, the lowest row first and the leftmost slot of each first.
+    /// All slots, row by row, the lowest row first and the leftmost slot of each first.
     pub fn slots(&self) -> impl Iterator<Item = SlotName> {
         let columns = self.columns;
         (0..self.heights_m.len() as u8).flat_map(move |row| (0..columns).map(move |c| SlotName::new(c, row)))
@@ -85,7 +85,7 @@ impl RackType {
 }
 
 impl CellOpening {
-    /// The middle of its outline.
+    /// The middle of the opening's outline.
     pub(super) fn middle(&self) -> Point {
         let sum: Vector = self.outline.iter().map(|p| p.coords).sum();
         Point::from(sum / self.outline.len() as f64)
@@ -95,7 +95,7 @@ impl CellOpening {
 impl Cell {
     /// Where a slot is while its rack stands at the station, whose robot stands at `stands`: the middle of the bin's
     /// front. The rack's face is turned to the opening, and columns count from the picker's left. `None` if the type
-    /// has no such slot.
+    /// does not have the slot.
     pub fn place_of(&self, stands: Point, rack: &RackType, slot: SlotName) -> Option<Place> {
         if !rack.has(slot) {
             return None;
@@ -107,23 +107,23 @@ impl Cell {
         Some(Place::new(at.x, at.y, rack.heights_m[usize::from(slot.row())]))
     }
 
-    /// Unit vectors to the right of who looks at the rack that stands at `stands`, and from the rack to that person.
+    /// Unit vectors to the right of a person looking at the rack at `stands`, and from the rack to that person.
     pub fn axes(&self, stands: Point) -> [Vector; 2] {
         // A validated cell's opening is not where the robot stands.
         let to_picker = (self.opening.middle() - stands).normalize();
-        // The picker looks the other way, and has the left hand a quarter turn counter-clockwise from there.
+        // The picker looks the other way, with the left hand a quarter turn counter-clockwise from there.
         [Vector::new(-to_picker.y, to_picker.x), to_picker]
     }
 
-    /// How far a place is to the right of where the rack stands, as the picker sees it who looks at the rack, and how
-    /// far from it towards the picker; metres.
+    /// How far a place is to the right of the rack's position, as seen by a picker looking at the rack, and how far
+    /// from it towards the picker; metres.
     pub fn beside(&self, stands: Point, place: Place) -> [f64; 2] {
         let [right, to_picker] = self.axes(stands);
         let off = Point::new(place.x, place.y) - stands;
         [off.dot(&right), off.dot(&to_picker)]
     }
 
-    /// The tote of this name.
+    /// The tote with this name.
     pub fn tote_named(&self, name: &str) -> Option<&Tote> {
         self.totes.iter().find(|t| t.name == name)
     }
@@ -157,7 +157,7 @@ mod tests {
         assert!(near(at("A1"), [-0.3, -0.4, 0.4]), "{}", at("A1"));
         assert!(near(at("D1"), [0.3, -0.4, 0.4]), "{}", at("D1"));
         assert!(near(at("B3"), [-0.1, -0.4, 1.2]), "{}", at("B3"));
-        // Who stands east of it looks west: left is south.
+        // A picker east of it looks west: left is south.
         let east = cell([[0.5, -0.5], [0.6, -0.5], [0.6, 0.5], [0.5, 0.5]]);
         let at = |name| east.place_of(Point::new(0.0, 0.0), &rack(), slot(name)).unwrap();
         assert!(near(at("A1"), [0.4, -0.3, 0.4]), "{}", at("A1"));

@@ -5,9 +5,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Racks have at most so many columns, `A` to `Z` …
+/// Largest number of columns of a rack, `A` to `Z` …
 pub const COLUMNS_MAX: u8 = 26;
-/// … and so many rows.
+/// … and largest number of rows.
 pub const ROWS_MAX: u8 = 20;
 
 /// A slot of a rack: `A1` is in the leftmost column and the lowest row.
@@ -17,7 +17,7 @@ pub struct SlotName {
     column: u8,
 }
 
-/// A text that is no name of a slot.
+/// A text that is not the name of a slot.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0:?} is no slot: give a column from A to Z and a row from 1 to {ROWS_MAX}, such as C3")]
 pub struct SlotNameError(String);
@@ -26,7 +26,7 @@ impl SlotName {
     /// The slot of a column and a row, both from 0.
     ///
     /// # Panics
-    /// If no rack has so many of them.
+    /// If no rack has that many columns or rows.
     pub fn new(column: u8, row: u8) -> SlotName {
         assert!(column < COLUMNS_MAX && row < ROWS_MAX, "column {column}, row {row}");
         SlotName { row, column }
@@ -56,7 +56,7 @@ impl FromStr for SlotName {
         let parts = || {
             let (column, row) = text.split_at_checked(1)?;
             let column = column.bytes().next().filter(u8::is_ascii_uppercase)? - b'A';
-            // Neither a sign nor zeros in front: each slot has one name.
+            // Neither a sign nor leading zeros: each slot has one name.
             let is_plain = row.bytes().all(|b| b.is_ascii_digit()) && !row.starts_with('0');
             let row = row.parse::<u8>().ok().filter(|r| is_plain && (1..=ROWS_MAX).contains(r))? - 1;
             Some(SlotName { row, column })

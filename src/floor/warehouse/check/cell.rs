@@ -1,7 +1,7 @@
-//! Work cells and types of racks: slots that no hand reaches, openings nowhere, pickers where robots drive.
+//! Work cells and types of racks: slots out of every hand's reach, misplaced openings, pickers where robots drive.
 //!
-//! Main functions: [`rack_types`], [`cells`]. Refuses: to say whether a cell is safe; walls and guards are built by
-//! others.
+//! Main functions: [`rack_types`], [`cells`]. Refuses: to say whether a cell is safe; its walls and guards are outside
+//! the map.
 
 use super::Findings;
 use super::draft::{good_name, good_outline};
@@ -11,18 +11,18 @@ use crate::warehouse::build::{Draft, DraftStation};
 use crate::warehouse::cell::{COLUMNS_MAX, Cell, CellOpening, Place, ROWS_MAX, RackType};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Nothing that a picker reaches is higher, metres.
+/// Greatest height that a picker reaches, metres.
 const HIGH_M: f64 = 3.0;
-/// No rack is wider or deeper, metres.
+/// Greatest width and depth of a rack, metres.
 const WIDE_M: f64 = 5.0;
-/// An opening is no farther from the middle of the robot behind it, metres …
+/// Greatest distance of an opening from the middle of the robot behind it, metres …
 const OPENING_M: f64 = 3.0;
-/// … and no nearer.
+/// … and least distance.
 const AT_ROBOT_M: f64 = 0.05;
-/// Totes and arms are no farther from the workplace, metres.
+/// Greatest distance of totes and arms from the workplace, metres.
 const BESIDE_M: f64 = 2.0;
 
-/// Checks how bins are arranged, and that racks name types that there are.
+/// Checks how bins are arranged, and that racks name existing types.
 pub(super) fn rack_types(draft: &Draft, found: &mut Findings) {
     let mut names = BTreeSet::new();
     for rack_type in &draft.rack_types {
@@ -86,7 +86,7 @@ pub(super) fn cells(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findi
     }
 }
 
-/// Nodes that robots drive over.
+/// The nodes that robots drive over.
 fn driven<'a>(draft: &'a Draft, at: &BTreeMap<&str, Point>) -> BTreeMap<&'a str, Point> {
     let lanes = draft.lanes.iter().filter(|l| l.users.loaded || l.users.unloaded);
     let ends = lanes.flat_map(|l| [l.from.as_str(), l.to.as_str()]);
@@ -164,7 +164,7 @@ fn opening(opening: &CellOpening, stands: Option<Point>, place: &FindingPlace, f
     }
 }
 
-/// How far a point is from the edge of an outline, metres.
+/// Distance of a point from the edge of an outline, metres.
 fn distance_m(outline: &[Point], p: Point) -> f64 {
     let edges = outline.iter().zip(outline.iter().cycle().skip(1));
     edges.map(|(a, b)| Segment { a: *a, b: *b }.distance_to(p)).fold(f64::INFINITY, f64::min)
@@ -182,7 +182,7 @@ mod tests {
         let mut draft = json::parse_draft(&json::write(&lab())).unwrap();
         let node = draft.stations[0].node.clone();
         let at = draft.nodes.iter().find(|n| n.name == node).unwrap().at;
-        // Away from all that robots drive over.
+        // Away from everything that robots drive over.
         let off = crate::geometry::Vector::new(0.0, -1.2);
         let square = |middle: Point, x: f64, y: f64| {
             [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| Point::new(middle.x + x, middle.y + y)).to_vec()

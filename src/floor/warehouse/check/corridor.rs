@@ -1,8 +1,7 @@
-//! Corridors of lanes: their widths, and what stands in them.
+//! Corridors of lanes: their widths, and things in their way.
 //!
 //! Main functions: [`widths`], [`clear_of_things`]. Refuses: corridors that run through racks, places where robots
-//! stay, obstacles, or out of the floor on which people walk; a lane without a corridor may pass them as it always
-//! could.
+//! stay, obstacles, or out of the floor on which people walk; a lane without a corridor may pass them as before.
 
 use super::Findings;
 use super::place::FindingPlace;
@@ -10,10 +9,10 @@ use crate::geometry::{Point, Segment, inside, runs_through};
 use crate::id::LaneId;
 use crate::warehouse::{CORRIDOR_MAX_M, Corridor, Footprint, Lane, NodeKind, Warehouse};
 
-/// What touches does not overlap: metres.
+/// Overlap up to this is only touching, metres.
 const TOUCH_M: f64 = 1e-6;
 
-/// Reports widths that cannot be.
+/// Reports invalid widths.
 pub(super) fn widths(corridor: Corridor, place: &FindingPlace, found: &mut Findings) {
     for (side, width) in [("left", corridor.left_m), ("right", corridor.right_m)] {
         if !(0.0..=CORRIDOR_MAX_M).contains(&width) {
@@ -23,7 +22,7 @@ pub(super) fn widths(corridor: Corridor, place: &FindingPlace, found: &mut Findi
     }
 }
 
-/// Reports every lane whose corridor something stands in.
+/// Reports every lane with something in its corridor.
 pub(in crate::warehouse) fn clear_of_things(w: &Warehouse) -> Result<(), Findings> {
     let mut found = Findings::default();
     for (id, lane) in w.lanes.pairs() {

@@ -1,6 +1,6 @@
-//! Names and numbers of a draft: unknown, doubled, absurd.
+//! Names and numbers of a draft: unknown, duplicate, absurd.
 //!
-//! Main functions: [`names_and_numbers`], [`without_bad_parts`]. Refuses: to look at ways through the building, which
+//! Main functions: [`names_and_numbers`], [`without_bad_parts`]. Refuses: to look at routes through the building, which
 //! need ids.
 
 use super::place::FindingPlace;
@@ -10,24 +10,24 @@ use crate::text::{NameFault, name_fault};
 use crate::warehouse::build::{Draft, DraftLane, DraftRack};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// More nodes than any building has; keeps a broken file from taking all memory.
+/// Largest number of nodes: more than any building has; keeps a broken file from taking all memory.
 const NODES_MAX: usize = 200_000;
-/// No single lane is longer, metres.
+/// Greatest length of a lane, metres.
 const LANE_MAX_M: f64 = 1_000.0;
-/// A stated length may undercut the straight distance by this share only.
+/// Least share of the straight distance that a stated length may have.
 const SHORTCUT: f64 = 0.99;
-/// A robot with its rack is at most so wide, metres.
+/// Greatest width of a robot with its rack, metres.
 const FOOTPRINT_MAX_M: f64 = 10.0;
-/// No lane is faster, metres per second.
+/// Greatest speed on a lane, metres per second.
 const SPEED_MAX_MPS: f64 = 50.0;
-/// Arrival headings are counted in a byte.
+/// Largest number of arrival headings of a node: they are counted in a byte.
 const ARRIVALS_MAX: usize = 255;
-/// Names are for people: no longer than this.
+/// Longest name, characters: names are for people.
 const NAME_MAX: usize = 80;
-/// Heavier racks are a mistake in the unit, kilograms.
+/// Greatest weight of a rack, kilograms: heavier ones are a mistake in the unit.
 const WEIGHT_MAX_KG: f64 = 100_000.0;
 
-/// Everything that can be said about a draft before its names are turned into ids.
+/// Checks all that can be checked of a draft before its names are turned into ids.
 pub(in crate::warehouse) fn names_and_numbers(draft: &Draft) -> Result<(), Findings> {
     let mut found = Findings::default();
     if draft.nodes.is_empty() {
@@ -54,7 +54,7 @@ pub(in crate::warehouse) fn names_and_numbers(draft: &Draft) -> Result<(), Findi
     found.into_result()
 }
 
-/// Checks names and positions of the nodes; returns where each name is.
+/// Checks names and positions of the nodes; returns the position of each name.
 fn nodes<'a>(draft: &'a Draft, found: &mut Findings) -> BTreeMap<&'a str, Point> {
     let mut at = BTreeMap::new();
     for node in &draft.nodes {
@@ -89,7 +89,7 @@ pub(super) fn good_name(name: &str, place: &FindingPlace, found: &mut Findings) 
     }
 }
 
-/// Whether corners are an outline.
+/// Whether corners are a valid outline.
 pub(super) fn good_outline(corners: &[Point], place: &FindingPlace, found: &mut Findings) -> bool {
     let fault = outline_area_m2(corners).err();
     if let Some(fault) = fault {
@@ -228,7 +228,7 @@ fn racks(draft: &Draft, found: &mut Findings) {
     }
 }
 
-/// Every node has one role at most, every role an existing node.
+/// Checks that every node has one role at most, and that every role has an existing node.
 fn roles(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
     let lists = [
         ("storage", &draft.storage),
@@ -285,15 +285,15 @@ fn marks(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
     }
 }
 
-/// What is left of a bad draft without its bad parts, and which places that leaves in doubt: enough to look for
-/// problems of the floor too. Nothing if there are no nodes, or far too many.
+/// A bad draft without its bad parts, and the places that this leaves in doubt: enough to look for problems of the
+/// floor too. Nothing if there are no nodes, or far too many.
 pub(in crate::warehouse) fn without_bad_parts(draft: &Draft) -> Option<(Draft, Doubts)> {
     if draft.nodes.is_empty() || draft.nodes.len() > NODES_MAX {
         return None;
     }
     let (mut rest, mut doubts) = (draft.clone(), Doubts::default());
     if !is_footprint(rest.footprint_m) {
-        // With no footprint, nothing overlaps: robots' conflicts cannot be told without a valid one.
+        // With no footprint, nothing overlaps: conflicts of robots need a valid one.
         rest.footprint_m = 0.0;
     }
     let mut at: BTreeMap<&str, Point> = BTreeMap::new();
@@ -323,7 +323,7 @@ pub(in crate::warehouse) fn without_bad_parts(draft: &Draft) -> Option<(Draft, D
     Some((rest, doubts))
 }
 
-/// Drops roles of unknown nodes, and all but the first of each node; a station goes as a whole.
+/// Drops roles of unknown nodes, and all but the first role of each node; a station is dropped as a whole.
 fn keep_good_roles(rest: &mut Draft, at: &BTreeMap<&str, Point>, doubts: &mut Doubts) {
     let mut taken: BTreeSet<String> = BTreeSet::new();
     let mut is_good = |name: &String| at.contains_key(name.as_str()) && taken.insert(name.clone());

@@ -1,14 +1,14 @@
-//! Ways through the finished graph: can robots always get on, and stay somewhere without cutting the floor?
+//! Routes through the finished graph: can robots always move on, and stay somewhere without cutting the floor?
 //!
-//! *Open floor* is every node that is neither lasting nor part of a station. Loaded and unloaded robots each
-//! see their own graph of open floor; its largest strongly connected part is their *main floor*. The rules:
+//! *Open floor* is every node that is neither lasting nor part of a station. Loaded and unloaded robots each have their
+//! own graph of open floor; its largest strongly connected part is their *main floor*. The rules:
 //!
 //! - every open node leads back to the main floor, and is reached from there or from a station's exit;
 //! - every lasting place is reached from and left to the main floor over open floor alone: storage with and
 //!   without a rack, chargers and parking places without;
 //! - every station is reached through its queue in order, and left without its queue;
 //! - a robot that stands at a lasting place, a station or in a queue blocks no node, and the lanes that it blocks
-//!   are taken away before all of this is asked.
+//!   are removed before all other rules are checked.
 //!
 //! Where bad parts of a draft were left out, the places in doubt count as joined to the main floor.
 //!
@@ -23,14 +23,14 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::{Dfs, Reversed};
 use smallvec::SmallVec;
 
-/// Which nodes are in a set.
+/// A set of nodes.
 type Set = IdVec<NodeId, bool>;
 /// The arcs that end at each node.
 type Incoming = IdVec<NodeId, SmallVec<[Arc; 4]>>;
 /// For each lane, the node at which a standing robot blocks it, if there is one.
 type Blocked = IdVec<LaneId, Option<NodeId>>;
 
-/// Everything that must hold so that no robot is ever stuck for want of a way or of a place to stay.
+/// Checks everything that keeps robots from ever being stuck for want of a route or of a place to stay.
 pub(in crate::warehouse) fn well_formed(w: &Warehouse, doubts: &Doubts) -> Result<(), Findings> {
     let mut found = Findings::default();
     if !w.nodes.iter().any(|n| n.kind.is_lasting()) && !doubts.stays {
@@ -115,7 +115,7 @@ fn incoming(w: &Warehouse) -> Incoming {
     incoming
 }
 
-/// The open floor as robots of one kind see it.
+/// The open floor for robots with or without a rack.
 struct OpenFloor<'a> {
     w: &'a Warehouse,
     loaded: bool,
@@ -239,7 +239,7 @@ impl<'a> OpenFloor<'a> {
         found.add(FindingPlace::of(format!("node {name}"), [name]), problem, remedy);
     }
 
-    /// Reports a station that cannot be reached through its queue, or not be left without it.
+    /// Reports a station that cannot be reached through its queue, or cannot be left without it.
     fn station(&self, station: &Station, found: &mut Findings) {
         let w = self.w;
         let robots = self.robots();
@@ -281,7 +281,7 @@ fn index(n: NodeId) -> NodeIndex {
     NodeIndex::new(n.ix())
 }
 
-/// All nodes that a walk from the seeds finds.
+/// All nodes that a walk from the seeds reaches.
 fn spread<M>(
     seeds: impl Iterator<Item = NodeIndex>,
     mut dfs: Dfs<NodeIndex, M>,

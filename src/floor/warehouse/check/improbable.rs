@@ -1,4 +1,4 @@
-//! Sizes that can be, but look like a slip: a wrong unit, a misplaced node. Warnings, since buildings differ.
+//! Sizes that are possible but look like a slip: a wrong unit, a misplaced node. Warnings, since buildings differ.
 //!
 //! Main function: [`improbable`]. Refuses: to refuse a map.
 
@@ -6,18 +6,18 @@ use super::place::FindingPlace;
 use super::{Findings, list};
 use crate::warehouse::{Lane, Warehouse};
 
-/// Shorter lanes are probably two nodes that should be one, metres.
+/// Length below which a lane is probably two nodes that should be one, metres.
 const LANE_SHORT_M: f64 = 0.3;
-/// Longer lanes probably lack nodes, metres: only one robot may be on a lane and its ends.
+/// Length above which a lane probably lacks nodes, metres: only one robot may be on a lane and its ends.
 const LANE_LONG_M: f64 = 200.0;
-/// Wider halls are probably drawn in another unit, metres.
+/// Width above which a hall is probably drawn in another unit, metres.
 const HALL_MAX_M: f64 = 2_000.0;
-/// Robots with their racks are between these sizes, metres.
+/// Usual range of the size of robots with their racks, metres.
 const FOOTPRINTS_M: (f64, f64) = (0.2, 3.0);
-/// Lanes are driven between these speeds, metres per second.
+/// Usual range of the speed on lanes, metres per second.
 const SPEEDS_MPS: (f64, f64) = (0.1, 6.0);
 
-/// What looks like a slip on a floor that could be planned on.
+/// The likely slips on a floor that is otherwise valid.
 pub(in crate::warehouse) fn improbable(w: &Warehouse) -> Findings {
     let mut found = Findings::default();
     hall(w, &mut found);
@@ -57,7 +57,7 @@ fn hall(w: &Warehouse, found: &mut Findings) {
     }
 }
 
-/// The size of robots by itself, and against the distances between places.
+/// Checks the size of robots by itself, and against the distances between places.
 fn footprint(w: &Warehouse, found: &mut Findings) {
     let f = w.footprint_m;
     if f <= 0.0 {
@@ -79,7 +79,7 @@ fn footprint(w: &Warehouse, found: &mut Findings) {
     }
 }
 
-/// Says that the lanes which `fits` picks out are `what`.
+/// Reports that the lanes selected by `fits` are `what`.
 fn lanes(w: &Warehouse, fits: impl Fn(&Lane) -> bool, what: &str, remedy: &str, found: &mut Findings) {
     let lanes: Vec<&Lane> = w.lanes.iter().filter(|l| fits(l)).collect();
     if lanes.is_empty() {

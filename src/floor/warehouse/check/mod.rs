@@ -1,9 +1,9 @@
-//! What is wrong with a map: every problem at once, each with its place and its remedy.
+//! Problems of a map: all at once, each with its place and its remedy.
 //!
-//! Main types: [`Finding`], [`Findings`]. `draft` looks at names and numbers before ids exist, `cell` at work cells;
-//! `floor` looks at the finished graph and asks whether robots can always get on (DESIGN §5, invariant a); `shut_in`
-//! warns of places from which robots cannot leave past one that broke down, `improbable` of sizes that look like a
-//! slip; `review` puts all of it together. Refuses: to stop at the first problem, and to mend anything itself.
+//! Main types: [`Finding`], [`Findings`]. `draft` checks names and numbers before ids exist, `cell` checks work cells;
+//! `floor` checks the finished graph, whether robots can always move on (DESIGN §5, invariant a); `shut_in` warns of
+//! places from which robots cannot leave past a broken-down one, `improbable` of sizes that look like a slip; `review`
+//! combines all of them. Refuses: to stop at the first problem, and to mend anything itself.
 
 mod cell;
 mod corridor;
@@ -30,27 +30,27 @@ use place::FindingPlace;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// One thing that is wrong with a map.
+/// One problem of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Where in the map, in words.
+    /// The place in the map, in words.
     pub place: String,
     /// The nodes of that place by their names; some may not exist.
     pub nodes: Vec<String>,
-    /// Corners of the outline that is meant, metres; none for other places.
+    /// Corners of the outline in question, metres; none for other places.
     pub corners: Vec<Point>,
-    /// What is wrong.
+    /// The problem.
     pub problem: String,
     /// What to do about it.
     pub remedy: String,
 }
 
-/// All things that are wrong with a map; never empty where it is an error.
+/// All problems of a map; never empty in an error.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Findings(pub Vec<Finding>);
 
-/// What is not known of a floor that was built without the bad parts of its draft. Nothing is reported that the
-/// missing parts could explain: one mistake, one finding.
+/// What is unknown about a floor that was built without the bad parts of its draft. A problem that the missing parts
+/// could explain is not reported: one mistake, one finding.
 #[derive(Debug, Default)]
 pub(super) struct Doubts {
     /// Names of places at which something was left out; the missing parts may join them to anything.
@@ -60,7 +60,7 @@ pub(super) struct Doubts {
 }
 
 impl Findings {
-    /// Adds what another check found.
+    /// Adds the findings of another check.
     pub(super) fn also(&mut self, other: Result<(), Findings>) {
         self.0.extend(other.err().into_iter().flat_map(|more| more.0));
     }
@@ -99,10 +99,10 @@ impl fmt::Display for Findings {
 
 impl std::error::Error for Findings {}
 
-/// Whether so many robots can all stay somewhere for ever without being in one another's way.
+/// Whether this many robots can all stay somewhere for ever without being in one another's way.
 ///
 /// # Errors
-/// One finding, where there are fewer storage, charging and parking places than robots.
+/// One finding, if there are fewer storage, charging and parking places than robots.
 pub fn room_for(warehouse: &Warehouse, robots: usize) -> Result<(), Findings> {
     let places = warehouse.nodes_where(|kind| kind.is_lasting()).len();
     let mut found = Findings::default();

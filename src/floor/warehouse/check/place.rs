@@ -1,28 +1,28 @@
-//! Where something is wrong: in words for people, and by names and corners for drawings.
+//! The place of a problem: in words for people, and by names and corners for drawings.
 //!
 //! Main type: [`FindingPlace`]. Refuses: to look anything up; names may be those of nodes that do not exist.
 
 use crate::geometry::Point;
 
-/// Where something is wrong.
+/// The place of a problem.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FindingPlace {
-    /// In words.
+    /// Description in words.
     pub words: String,
-    /// Names of the nodes that are meant.
+    /// Names of the nodes in question.
     pub nodes: Vec<String>,
-    /// Corners of the outline that is meant, metres.
+    /// Corners of the outline in question, metres.
     pub corners: Vec<Point>,
 }
 
 impl FindingPlace {
-    /// A place that these nodes make up.
+    /// A place that consists of these nodes.
     pub fn of<S: AsRef<str>>(words: impl Into<String>, nodes: impl IntoIterator<Item = S>) -> FindingPlace {
         let nodes = nodes.into_iter().map(|name| name.as_ref().to_owned()).collect();
         FindingPlace { words: words.into(), nodes, corners: Vec::new() }
     }
 
-    /// An outline.
+    /// A place with this outline.
     pub fn outline(words: impl Into<String>, corners: &[Point]) -> FindingPlace {
         FindingPlace { words: words.into(), nodes: Vec::new(), corners: corners.to_vec() }
     }

@@ -1,4 +1,4 @@
-//! Everything there is to say about a map, with places on the floor: what makes it refused, and what looks odd.
+//! All remarks about a map, with places on the floor: what makes it refused, and what looks odd.
 //!
 //! Main types: [`Review`], [`Remark`]; main function: [`review`]. Refuses: nothing; of a bad map it keeps what can be
 //! drawn.
@@ -12,12 +12,12 @@ use crate::warehouse::{Draft, Warehouse};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// How bad a remark is.
+/// How serious a remark is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The map is refused.
     Error,
-    /// The map can be used, but look again.
+    /// The map can be used, but should be looked at again.
     Warning,
 }
 
@@ -31,14 +31,14 @@ impl Severity {
     }
 }
 
-/// One thing there is to say about a map.
+/// One remark about a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remark {
-    /// How bad it is.
+    /// How serious the remark is.
     pub severity: Severity,
-    /// Where in the map, what, and what to do about it.
+    /// The place in the map, the problem, and the remedy.
     pub finding: Finding,
-    /// Where on the floor, metres: the nodes and corners that are meant; none where no place is.
+    /// Positions of the nodes and corners in question, metres; none if the remark has no place on the floor.
     pub at: Vec<Point>,
 }
 
@@ -48,17 +48,17 @@ impl fmt::Display for Remark {
     }
 }
 
-/// Everything there is to say about a map.
+/// All remarks about a map.
 #[derive(Clone, Debug)]
 pub struct Review {
-    /// Errors first, then what looks like a slip.
+    /// Errors first, then likely slips.
     pub remarks: Vec<Remark>,
-    /// Where a broken robot would shut others in; asked of good maps only.
+    /// Where a broken robot would shut others in; checked only for valid maps.
     pub shut_in: Vec<ShutIn>,
-    /// The same as warnings.
+    /// The entries of `shut_in` as warnings.
     pub dead_ends: Vec<Remark>,
-    /// The building; of a refused map what is left without its bad parts, for drawings only. Nothing where there are
-    /// no nodes, or far too many.
+    /// The building; for a refused map, without its bad parts and for drawings only. Nothing if there are no nodes, or
+    /// far too many.
     pub warehouse: Option<Warehouse>,
 }
 
@@ -68,7 +68,7 @@ impl Review {
         self.remarks.iter().all(|r| r.severity != Severity::Error)
     }
 
-    /// Errors, or what looks like a slip.
+    /// The remarks of this severity.
     pub fn of(&self, severity: Severity) -> impl Iterator<Item = &Remark> {
         self.remarks.iter().filter(move |r| r.severity == severity)
     }
@@ -103,7 +103,7 @@ pub fn review(draft: &Draft) -> Review {
     Review { remarks, shut_in: ends, dead_ends, warehouse }
 }
 
-/// What robots have nothing to do without.
+/// Missing things without which robots have nothing to do.
 fn nothing_to_do(draft: &Draft) -> Findings {
     let mut found = Findings::default();
     if draft.stations.is_empty() {

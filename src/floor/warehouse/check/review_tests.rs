@@ -1,4 +1,4 @@
-//! What is said about odd maps, and where on the floor.
+//! Remarks about odd maps, and their places on the floor.
 
 use super::{Severity, review};
 use crate::geometry::Point;
@@ -14,7 +14,7 @@ fn good() -> Draft {
     sketch("RR.C\n....\nP.1.")
 }
 
-/// The good map with its places so many times as far apart.
+/// The good map with its distances multiplied by `by`.
 fn stretched(by: f64) -> Draft {
     let mut draft = good();
     draft.nodes.iter_mut().for_each(|n| n.at *= by);

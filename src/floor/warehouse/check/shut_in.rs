@@ -1,12 +1,12 @@
 //! Where a broken robot shuts others in: a warning, since people can push a broken robot aside.
 //!
-//! A robot is shut in if every way from its node to a place where it may stay leads over the node of the broken one.
+//! A robot is shut in if every way from its node to a place where it may stay leads over the node of the broken robot.
 //! Ways are those that the search knows: lanes have users and kinds, a loaded robot needs a storage node, and the
 //! places of a station are for robots bound for it or on their way out. For one broken robot these are the nodes that
 //! its node dominates in the graph of reversed lanes, with one sink behind all places to stay: O(nodes and lanes) for
-//! all nodes together. A node or a lane in conflict with that node is blocked, too: such nodes are searched one by
-//! one, exactly, with the footprint of the map, which contains that of every kind. Each place where robots can be shut
-//! in is reported once, with the node that shuts in the most. Places to stay are not: a robot there is in no other
+//! all nodes together. A node or a lane in conflict with that node is blocked, too: such nodes are searched one by one,
+//! exactly, with the footprint of the map, which contains that of every kind. Each place where robots can be shut in is
+//! reported once, with the node that shuts in the most. Places to stay are not reported: a robot there is in no other
 //! robot's way.
 //!
 //! Two things are left out. A robot that breaks down while it drives keeps all nodes that it was granted. And places to
@@ -23,27 +23,27 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// So many lines about dead ends; a program gets them all.
+/// Number of lines about dead ends that are shown; a program gets them all.
 const SHOWN: usize = 10;
 
 /// Where robots can be shut in, and the node on which a broken robot does it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ShutIn {
-    /// The broken robot's node: of those that shut these in, the one that shuts in the most.
+    /// The broken robot's node: of the nodes that shut these in, the one that shuts in the most.
     pub broken_on: String,
     /// Which robots are shut in: "robots", "loaded robots", "unloaded robots"; of which kinds, if not all.
     pub robots: String,
-    /// Stations at which, or in whose queues, they are.
+    /// Stations where the shut-in robots are, or whose queues they are in.
     pub stations: Vec<String>,
-    /// Nodes from which they cannot leave.
+    /// Nodes from which the robots cannot leave.
     pub shut_in: Vec<String>,
     /// What to do about it.
     pub remedy: &'static str,
 }
 
-/// Which robots: of a kind that lanes name, or of none that any lane names; without or with a rack.
+/// A group of robots: of a kind that lanes name, or of none that any lane names; without or with a rack.
 type Mode<'a> = (Option<&'a str>, bool);
-/// The broken robot's node, and those that it shuts in.
+/// The broken robot's node, and the nodes that it shuts in.
 type Group = (NodeId, BTreeSet<NodeId>);
 
 /// All places where a broken robot would shut others in.
@@ -64,7 +64,7 @@ pub fn shut_in(w: &Warehouse) -> Vec<ShutIn> {
     all
 }
 
-/// What there is to say about these for people: one line for each dead end, and one for stations that are alike.
+/// Text about these for people: one line for each dead end, and one for stations that are alike.
 pub fn shut_in_text(all: &[ShutIn]) -> Vec<String> {
     let (at_stations, ends): (Vec<&ShutIn>, Vec<&ShutIn>) = all.iter().partition(|s| !s.stations.is_empty());
     // Loaded and unloaded robots may be shut in on more or fewer nodes by the same station.
@@ -96,7 +96,7 @@ pub fn shut_in_text(all: &[ShutIn]) -> Vec<String> {
     lines
 }
 
-/// The same as findings with their places, one for each.
+/// The entries as findings with their places, one for each.
 pub(super) fn remarks_of(all: &[ShutIn]) -> Findings {
     let mut found = Findings::default();
     for s in all {
@@ -178,7 +178,7 @@ impl<'a> WaysOut<'a> {
         WaysOut { w, into, from, stays }
     }
 
-    /// Groups in which every node that can be shut in is at least once, by what one broken robot shuts in.
+    /// Groups of nodes that one broken robot shuts in; every node that can be shut in is in at least one.
     fn groups(&self) -> Vec<Group> {
         let mut groups = self.dominated();
         let mut known: BTreeSet<NodeId> = groups.iter().flat_map(|g| g.1.iter().copied()).collect();
@@ -194,7 +194,7 @@ impl<'a> WaysOut<'a> {
         groups
     }
 
-    /// The largest sets that one node alone cuts off.
+    /// The largest sets of nodes that one node alone cuts off.
     fn dominated(&self) -> Vec<Group> {
         let mut graph: DiGraph<(), ()> = DiGraph::new();
         let sink = graph.add_node(());
@@ -212,7 +212,7 @@ impl<'a> WaysOut<'a> {
         }
         let dominators = simple_fast(&graph, sink);
         let mut groups: BTreeMap<NodeId, BTreeSet<NodeId>> = BTreeMap::new();
-        // The outermost node that all ways from each node lead over; itself if there is none.
+        // The outermost node that all ways from each node lead over; the node itself if there is none.
         let mut outermost: IdVec<NodeId, Option<NodeId>> = IdVec::filled(None, self.w.nodes.len());
         for n in self.w.nodes.ids() {
             let (mut at, mut walked) = (n, vec![n]);
@@ -250,7 +250,7 @@ impl<'a> WaysOut<'a> {
         }
         let is_open =
             |a: &Arc| !nodes.contains(&a.from) && !nodes.contains(&a.to) && !lanes.contains(&a.lane);
-        // If robots are shut in, then on nodes that have a way that is blocked; mostly none of them is.
+        // Shut-in robots include some on nodes with a blocked way; mostly there are none.
         let ends = lanes.iter().flat_map(|l| [self.w.lanes[*l].a, self.w.lanes[*l].b]);
         let before = nodes.iter().flat_map(|n| self.into[*n].iter().map(|a| self.w.arcs[*a].from));
         let next_to: BTreeSet<NodeId> = ends.chain(before).filter(|n| !nodes.contains(n)).collect();
@@ -309,7 +309,7 @@ mod tests {
     use super::*;
     use crate::warehouse::{Draft, lab, sketch};
 
-    /// A floor with a corridor of three nodes, at whose end is something.
+    /// A floor with a corridor of three nodes that ends in this kind of place.
     fn corridor(end: char) -> Draft {
         sketch(&format!("RS....{end}\n...\nP"))
     }

@@ -17,7 +17,7 @@ fn good() -> Draft {
     sketch(GOOD)
 }
 
-/// Fails unless `draft` is refused with a finding that reads like all of `texts`.
+/// Asserts that `draft` is refused with a finding whose text contains all of `texts`.
 fn refused(draft: Draft, texts: &[&str]) {
     let findings = draft.build().expect_err("a bad map is refused");
     let all = findings.to_string();
@@ -53,7 +53,7 @@ fn all_problems_are_told_at_once() {
     assert_eq!(draft.build().expect_err("three problems").0.len(), 3);
 }
 
-/// Fails unless the findings are exactly these, each given by the beginning of what it reads like.
+/// Asserts that the findings are exactly these, each given by the beginning of its text.
 fn all_findings(draft: Draft, beginnings: &[&str]) {
     let all = draft.build().expect_err("a bad map is refused").to_string();
     let lines: Vec<&str> = all.lines().collect();
@@ -377,7 +377,7 @@ fn there_must_be_room_for_all_robots() {
 }
 
 impl Draft {
-    /// The same without some nodes and what hangs on them.
+    /// The draft without some nodes and everything attached to them.
     fn build_without(mut self, names: &[&str]) -> Draft {
         self.nodes.retain(|n| !names.contains(&n.name.as_str()));
         self.lanes.retain(|l| !names.contains(&l.from.as_str()) && !names.contains(&l.to.as_str()));

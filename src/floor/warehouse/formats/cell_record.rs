@@ -1,4 +1,4 @@
-//! Work cells and types of racks, as the map format has them.
+//! Work cells and types of racks in the map format.
 //!
 //! Main types: [`CellRecord`], [`RackTypeRecord`]. Refuses: to check them.
 
@@ -72,7 +72,7 @@ impl From<&Place> for PlaceRecord {
 }
 
 impl CellRecord {
-    /// The cell that is meant, unchecked.
+    /// The cell of the record, unchecked.
     pub fn cell(self) -> Cell {
         let OpeningRecord { outline, from_m, to_m } = self.opening;
         let arm = |a: ArmRecord| ArmMount {
@@ -88,11 +88,11 @@ impl CellRecord {
         }
     }
 
-    /// A cell as it is written.
+    /// The record of a cell.
     pub fn of(cell: &Cell) -> CellRecord {
         let CellOpening { outline, from_m, to_m } = &cell.opening;
         let outline = Corner::of_outline(outline);
-        // Degrees that were read come out as they were: to a thousand-millionth.
+        // Degrees are written as they were read: to a thousand-millionth.
         let degrees = |radians: f64| Number((radians.to_degrees() * 1e9).round() / 1e9);
         let arm = |a: &ArmMount| ArmRecord {
             base: (&a.base).into(),
@@ -109,7 +109,7 @@ impl CellRecord {
 }
 
 impl RackTypeRecord {
-    /// The type that is meant, unchecked. Its face is at the edge of the footprint where nothing is said.
+    /// The type of the record, unchecked. By default its face is at the edge of the footprint.
     pub fn rack_type(self, footprint_m: f64) -> RackType {
         RackType {
             name: self.id,
@@ -120,7 +120,7 @@ impl RackTypeRecord {
         }
     }
 
-    /// A type as it is written.
+    /// The record of a type.
     pub fn of(t: &RackType) -> RackTypeRecord {
         RackTypeRecord {
             id: t.name.clone(),

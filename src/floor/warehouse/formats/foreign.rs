@@ -1,10 +1,10 @@
-//! Layouts of other systems, which cannot be read yet: they are named, so that nobody looks for a mistake in them.
+//! Layouts of other systems, which cannot be read yet: they are named, so that users need not search them for mistakes.
 //!
-//! Main function: [`foreign_layout`]. Refuses: to read anything of them.
+//! Main function: [`foreign_layout`]. Refuses: to read any part of them.
 
 use serde_json::Value;
 
-/// The format of a layout of another system, if a text is one.
+/// The format of a layout of another system, if the text is one.
 pub(super) fn foreign_layout(text: &str) -> Option<&'static str> {
     let text = text.trim_start();
     match text.chars().next()? {

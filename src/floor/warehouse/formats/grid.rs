@@ -15,11 +15,11 @@ pub(super) struct LetterGrid {
 }
 
 impl LetterGrid {
-    /// Takes `height` rows of `width` letters out of `known`; `first_line` is the number of the first row.
+    /// Reads `height` rows of `width` letters out of `known`; `first_line` is the number of the first row.
     ///
     /// # Errors
-    /// [`MapError::Syntax`] where there are more rows or fewer, or one has other letters or another width. Blank lines
-    /// after the last row are none.
+    /// [`MapError::Syntax`] if there are more rows or fewer, or one has other letters or another width. Blank lines
+    /// after the last row do not count as rows.
     pub fn read<'a>(
         rows: impl Iterator<Item = &'a str> + Clone,
         (width, height): (usize, usize),
@@ -47,7 +47,7 @@ impl LetterGrid {
         Ok(LetterGrid { width, height, cells })
     }
 
-    /// The cell right of, above, left of and below `c`, where there is one.
+    /// The cells right of, above, left of and below `c`, where they exist.
     pub fn around(&self, c: usize) -> impl Iterator<Item = usize> + use<> {
         let (x, y) = (c % self.width, c / self.width);
         let right = (x + 1 < self.width).then_some(c + 1);
@@ -79,7 +79,7 @@ impl LetterGrid {
         draft.nodes.push(DraftNode { name: self.name(c), at: self.at(c, options) });
     }
 
-    /// Joins neighbours `a` and `b` both ways, for the users that `users(a, b)` names, if any; asked once a pair.
+    /// Joins neighbours `a` and `b` both ways, for the users that `users(a, b)` gives, if any; asked once a pair.
     pub fn add_lanes(&self, draft: &mut Draft, users: impl Fn(usize, usize) -> Option<Users>) {
         for a in 0..self.cells.len() {
             for b in self.around(a).filter(|&b| b > a) {
@@ -90,7 +90,7 @@ impl LetterGrid {
         }
     }
 
-    /// Lets people walk on the grid, with what is not `open` in their way as rectangles.
+    /// Lets people walk on the grid, with the cells that are not `open` as rectangular obstacles.
     pub fn add_outlines(&self, draft: &mut Draft, open: &[bool], options: &Options) {
         let mut blocks: Vec<(usize, usize)> = Vec::new();
         for row in 0..self.height {
@@ -119,7 +119,7 @@ impl LetterGrid {
         draft.obstacles.extend(blocks.into_iter().map(|(left, right)| outline(left, right)));
     }
 
-    /// Takes from `floor` every cell outside its largest connected part; says how many.
+    /// Removes from `floor` every cell outside its largest connected part; gives their number.
     pub fn keep_largest_part(&self, floor: &mut Vec<bool>) -> usize {
         let mut best: Vec<usize> = Vec::new();
         let mut seen: Vec<bool> = floor.iter().map(|free| !free).collect();
@@ -148,12 +148,12 @@ impl LetterGrid {
         before - best.len()
     }
 
-    /// Turns up to `most` of the cells that `may` become places into places: takes them off the floor such
-    /// that the floor stays connected and every place keeps a floor cell beside it.
+    /// Turns up to `most` of the cells in `may` into places: takes them off the floor such that the floor stays
+    /// connected and every place keeps a floor cell beside it.
     ///
-    /// A cell is taken if its free neighbours are joined to each other around it, within the eight cells that
-    /// surround it: that is enough for the floor to stay connected, and it is seen locally. Dead ends and
-    /// corners go first, then cells in a fixed scatter, so that the places spread over the floor.
+    /// A cell is taken if its free neighbours are joined to each other around it, within the eight cells that surround
+    /// it: that is enough for the floor to stay connected, and can be checked locally. Dead ends and corners go first,
+    /// then cells in a fixed scatter, so that the places spread over the floor.
     pub fn take_places(&self, floor: &mut [bool], may: &[bool], most: usize) -> Vec<bool> {
         let free_around = |c: usize, floor: &[bool]| self.around(c).filter(|&n| floor[n]).count();
         let mut order: Vec<usize> = (0..floor.len()).filter(|&c| floor[c] && may[c]).collect();
@@ -175,8 +175,8 @@ impl LetterGrid {
         places
     }
 
-    /// Goes on where [`LetterGrid::take_places`] stopped for caution: takes up to `most` further cells whose free
-    /// neighbours are joined to each other by any way around it, however long.
+    /// Continues where [`LetterGrid::take_places`] stopped out of caution: takes up to `most` further cells whose free
+    /// neighbours are joined to each other by any way around the cell, however long.
     pub fn take_more_places(&self, floor: &mut [bool], may: &[bool], places: &mut [bool], most: usize) {
         let mut taken = 0;
         for c in 0..floor.len() {

@@ -70,7 +70,7 @@ fn field(text: &mut String, key: &str, value: &impl Serialize) {
     text.push_str(&format!("\n\"{key}\":{},", json(value)));
 }
 
-/// Writes a list with `per_line` items a line, or nothing where it is empty and may be left out.
+/// Writes a list with `per_line` items a line, or nothing if it is empty and may be left out.
 fn rows<T: Serialize>(text: &mut String, key: &str, items: &[T], per_line: usize) {
     if items.is_empty() && !["nodes", "lanes"].contains(&key) {
         return;
@@ -190,7 +190,7 @@ struct StationRecord {
 #[derive(Serialize, Deserialize, Clone, Copy)]
 pub(super) struct Corner(pub Number, pub Number);
 
-/// A number that is written without a fraction where it has none.
+/// A number that is written without a fraction if it has none.
 #[derive(Deserialize, Clone, Copy)]
 #[serde(transparent)]
 pub(super) struct Number(pub f64);
@@ -201,7 +201,7 @@ impl Corner {
         corners.iter().map(|c| Point::new(c.0.0, c.1.0)).collect()
     }
 
-    /// The same, as it is written.
+    /// The corners of an outline in their written form.
     pub fn of_outline(outline: &[Point]) -> Vec<Corner> {
         outline.iter().map(|p| Corner(Number(p.x), Number(p.y))).collect()
     }
@@ -220,7 +220,7 @@ fn known_version<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
     if version == VERSION { Ok(version) } else { Err(D::Error::custom(message())) }
 }
 
-/// As it is written; not validated.
+/// Reads a draft from its written form, without validation.
 impl<'de> Deserialize<'de> for Draft {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Draft, D::Error> {
         MapRecord::deserialize(d).map(Draft::from)

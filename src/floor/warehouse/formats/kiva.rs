@@ -1,9 +1,9 @@
-//! Warehouse grids with endpoints: a header (`rows,columns`, endpoints, homes, longest time), then rows of
-//! `@` shelf, `e` endpoint, `r` robot's home, `.` floor.
+//! Warehouse grids with endpoints: a header (`rows,columns`, endpoints, homes, longest time), then rows of `@` shelf,
+//! `e` endpoint, `r` robot's home, `.` floor.
 //!
-//! Main function: [`parse`]. What the format does not say is added: racks on the shelf cells beside
-//! endpoints, chargers in place of some homes, station bays beyond the left and right end of the floor.
-//! Refuses: to give robots a home that can only be reached through another home; such cells stay floor.
+//! Main function: [`parse`]. Things missing from the format are added: racks on the shelf cells beside endpoints,
+//! chargers in place of some homes, station bays beyond the left and right end of the floor. Refuses: to give robots a
+//! home that can only be reached through another home; such cells stay floor.
 
 use super::grid::LetterGrid;
 use super::{ImportNotes, MapError, Options};
@@ -17,7 +17,7 @@ const LETTERS: &str = "@er.";
 /// Reads a warehouse grid.
 ///
 /// # Errors
-/// [`MapError::Syntax`] where header or rows do not follow the format.
+/// [`MapError::Syntax`] if header or rows do not follow the format.
 pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
     let (grid, said) = read(text)?;
     let mut notes = ImportNotes::default();
@@ -50,7 +50,7 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapE
     Ok((draft, notes))
 }
 
-/// What became of each cell; at most one is true.
+/// The purpose of each cell; at most one is true.
 struct Cells {
     floor: Vec<bool>,
     places: Vec<bool>,
@@ -98,7 +98,7 @@ fn read(text: &str) -> Result<(LetterGrid, Said), MapError> {
     Ok((grid, Said { endpoints, homes }))
 }
 
-/// StoredRecords cells that touch an endpoint on the floor.
+/// Shelf cells that touch an endpoint on the floor, and become storage.
 fn storage(grid: &LetterGrid, floor: &[bool]) -> Vec<bool> {
     let touches = |c: usize| grid.around(c).any(|n| floor[n] && grid.cells[n] == b'e');
     (0..grid.cells.len()).map(|c| grid.cells[c] == b'@' && touches(c)).collect()
@@ -130,8 +130,8 @@ fn nodes(grid: &LetterGrid, cells: &Cells, options: &Options, draft: &mut Draft,
     }
 }
 
-/// Adds station bays beyond the first and the last column with floor, evenly spaced, in by one row and out
-/// by the next.
+/// Adds station bays beyond the first and the last column with floor, evenly spaced, entered by one row and left by the
+/// next.
 fn stations(
     grid: &LetterGrid,
     floor: &[bool],

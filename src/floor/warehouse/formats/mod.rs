@@ -1,7 +1,7 @@
 //! Maps as text: the project's own JSON, and benchmark grids to import.
 //!
-//! Main types: [`MapError`], [`Options`], [`ImportNotes`]; [`import`] finds out which format a text is in.
-//! Refuses: reading files, and maps that are not well-formed.
+//! Main types: [`MapError`], [`Options`], [`ImportNotes`]; [`import`] detects the format of a text. Refuses: reading
+//! files, and maps that are not well-formed.
 
 mod cell_record;
 mod foreign;
@@ -13,7 +13,7 @@ pub mod octile;
 use super::{Draft, Findings, Warehouse};
 use std::fmt;
 
-/// Why a text is no map.
+/// Why a text is not a map.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MapError {
     /// The text does not follow its format.
@@ -21,7 +21,7 @@ pub enum MapError {
     Syntax {
         /// Line, from 1.
         line: usize,
-        /// Column, from 1; 0 where the whole line is meant.
+        /// Column, from 1; 0 if the whole line is meant.
         column: usize,
         /// What is wrong there.
         message: String,
@@ -37,7 +37,7 @@ impl MapError {
     }
 }
 
-/// What an import adds to a format that does not say it.
+/// Values that an import adds to a format that lacks them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Name of the map, for formats without one.
@@ -46,7 +46,7 @@ pub struct Options {
     pub pitch_m: f64,
     /// Picking stations to add beside a warehouse grid.
     pub stations: usize,
-    /// Waiting places before each of them.
+    /// Number of waiting places before each station.
     pub queue: usize,
     /// Usual length of a pick, seconds.
     pub pick_s: f64,
@@ -83,8 +83,8 @@ impl fmt::Display for ImportNotes {
 /// Reads a map in any known format: own JSON, Moving AI octile grid, or warehouse grid with endpoints.
 ///
 /// # Errors
-/// [`MapError::Syntax`] where the text follows no known format, [`MapError::Findings`] where the building
-/// is not fit to plan on.
+/// [`MapError::Syntax`] if the text follows no known format, [`MapError::Findings`] if the building is not fit to plan
+/// on.
 pub fn import(text: &str, options: &Options) -> Result<(Warehouse, ImportNotes), MapError> {
     let (draft, notes) = import_draft(text, options)?;
     Ok((draft.build()?, notes))
@@ -93,7 +93,7 @@ pub fn import(text: &str, options: &Options) -> Result<(Warehouse, ImportNotes),
 /// Reads a map in any known format without validating it.
 ///
 /// # Errors
-/// [`MapError::Syntax`] where the text follows no known format.
+/// [`MapError::Syntax`] if the text follows no known format.
 pub fn import_draft(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
     let text = text.trim_start_matches('\u{feff}');
     read_any(text, options).map_err(|why| match of_others(text) {
@@ -102,13 +102,13 @@ pub fn import_draft(text: &str, options: &Options) -> Result<(Draft, ImportNotes
     })
 }
 
-/// What to tell whoever gives the layout of another system; nothing where a text is no such layout.
+/// The message about a layout of another system; nothing if the text is not such a layout.
 pub fn of_others(text: &str) -> Option<String> {
     let format = foreign::foreign_layout(text)?;
     Some(format!("this is {format}, which cannot be read yet: draw the floor in the editor, or {KNOWN}"))
 }
 
-/// What can be read.
+/// The formats that can be read.
 const KNOWN: &str =
     "give a JSON map (\"{\"), an octile grid (\"type octile\") or a warehouse grid (\"rows,columns\")";
 
@@ -197,7 +197,7 @@ mod tests {
                 assert!(error.contains(says), "{text}: {error}");
             }
         }
-        // A row that is too long is one row too many, whatever it has.
+        // A row that is too long is one row too many, whatever it contains.
         let error = import(&format!("{}x\n", octile(3, 3)), &Options::default()).expect_err("a fourth row");
         assert!(error.to_string().contains("4 rows, the header says 3"), "{error}");
     }

@@ -15,7 +15,7 @@ const FREE: &str = ".GSE";
 /// Reads an octile grid.
 ///
 /// # Errors
-/// [`MapError::Syntax`] where header or rows do not follow the format.
+/// [`MapError::Syntax`] if header or rows do not follow the format.
 pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
     let grid = read(text)?;
     let mut floor = grid.which(FREE);
@@ -25,7 +25,7 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapE
     let most = (free as f64 * options.parking_share.clamp(0.0, 1.0)) as usize;
     let mut parking = grid.take_places(&mut floor, &nodes, most.max(1));
     if !parking.contains(&true) {
-        // A ring: each cell joins two others, but any one of them can go, since the rest is joined the long way round.
+        // A ring: each cell joins two others, but any one can go, since the rest is joined the long way round.
         grid.take_more_places(&mut floor, &nodes, &mut parking, 1);
     }
 

@@ -1,8 +1,8 @@
 //! Halls of storage blocks two deep, with one-way aisles between them and main roads around groups of them.
 //!
-//! Main type: [`Blocks`]. Every street runs across the whole floor in one direction, roads are two streets
-//! side by side with traffic on the right; so the outermost lanes are a ring, and from every node one comes
-//! to the ring and back. Refuses: dead ends.
+//! Main type: [`Blocks`]. Every street runs across the whole floor in one direction, roads are two streets side by side
+//! with traffic on the right; so the outermost lanes are a ring that can be reached from every node, and from which
+//! every node can be reached. Refuses: dead ends.
 
 use super::pen::{Cell, Pen, outline};
 use super::side::Side;
@@ -14,23 +14,23 @@ use crate::warehouse::{Draft, Users};
 pub struct Blocks {
     /// Name of the map.
     pub name: String,
-    /// Groups of blocks along x and y, main roads around each.
+    /// Numbers of groups of blocks along x and y, with main roads around each.
     pub groups: (usize, usize),
-    /// Blocks in each group along x and y, aisles between them.
+    /// Numbers of blocks in each group along x and y, with aisles between them.
     pub blocks: (usize, usize),
-    /// Storage places of a block along x; along y it has two.
+    /// Number of storage places of a block along x; along y it has two.
     pub block_length: usize,
-    /// Stations beyond the west road, as many as there is room for.
+    /// Number of stations beyond the west road, limited by the room.
     pub stations_west: usize,
-    /// Stations beyond the east road, as many as there is room for.
+    /// Number of stations beyond the east road, limited by the room.
     pub stations_east: usize,
-    /// Waiting places of each station.
+    /// Number of waiting places of each station.
     pub queue: usize,
     /// Usual length of a pick.
     pub pick: Span,
-    /// Charging places, as many as there is room for: between the stations, then north and south.
+    /// Number of charging places, limited by the room: between the stations, then north and south.
     pub chargers: usize,
-    /// Parking places beside the north and south roads, as many as there is room for.
+    /// Number of parking places beside the north and south roads, limited by the room.
     pub parking: usize,
     /// Share of the storage places with a rack, 0 to 1.
     pub fill: f64,
@@ -58,14 +58,14 @@ impl Default for Blocks {
 pub(super) struct Streets {
     /// Length of the other axis, cells.
     pub extent: i64,
-    /// Whether the street at each coordinate runs towards growing coordinates; nothing where there is none.
+    /// Whether the street at each coordinate runs towards growing coordinates; nothing if there is none.
     pub forward: Vec<Option<bool>>,
     /// The first coordinate of each road of two streets.
     pub roads: Vec<i64>,
 }
 
 impl Streets {
-    /// `first` is the direction of the first street of each road; aisles alternate.
+    /// Lays out streets; `first` is the direction of the first street of each road; aisles alternate.
     fn new(groups: usize, blocks: usize, block: usize, first: bool) -> Streets {
         let (mut forward, mut roads) = (Vec::new(), Vec::new());
         for group in 0..=groups {
@@ -92,7 +92,7 @@ impl Streets {
     }
 }
 
-/// A hall under way.
+/// A hall that is being drawn.
 pub(super) struct HallDraft {
     pub pen: Pen,
     /// Streets along y, by x.
@@ -102,9 +102,9 @@ pub(super) struct HallDraft {
 }
 
 impl Blocks {
-    /// The hall: from south to north and from west to east a road, then blocks and aisles and further roads,
-    /// a road at the end; station bays, chargers and parking places beyond the outermost roads; a door for
-    /// people at two corners and at the ends of the roads between the groups.
+    /// The hall: from south to north and from west to east a road, then blocks and aisles and further roads, with a
+    /// road at the end; station bays, chargers and parking places beyond the outermost roads; a door for people at two
+    /// corners and at the ends of the roads between the groups.
     ///
     /// The pitch is 1 m. Storage places open to the aisle along their row and, at the ends of a block, to the
     /// aisle there; unloaded robots also drive beneath the racks of a block.
@@ -129,7 +129,7 @@ impl Blocks {
         hall.pen.draft
     }
 
-    /// Chargers between the stations; the others and the parking places north and south, mixed evenly.
+    /// Adds chargers between the stations; the others and the parking places go north and south, mixed evenly.
     fn places(&self, hall: &mut HallDraft, sides: &[Side; 2]) {
         let between = sides.iter().flat_map(|side| side.places()).take(self.chargers);
         let between: Vec<(Cell, Cell)> = between.collect();
@@ -202,7 +202,7 @@ impl HallDraft {
         }
     }
 
-    /// People walk on the streets; the blocks stand in their way.
+    /// Adds outlines: people walk on the streets, and the blocks are obstacles.
     fn outlines(&mut self) {
         let (w, h) = (self.along_y.extent, self.along_x.extent);
         self.pen.draft.walkable.push(outline((0, 0), (w - 1, h - 1)));

@@ -1,7 +1,7 @@
 //! The two halls of the thesis that the project follows: its laboratory and its simulated warehouse.
 //!
-//! Main functions: [`lab`], [`thesis`]. The drawings of both are lost in the text; what the text says about
-//! them (names, counts, which robot can go where) is kept, the rest is a plausible guess. Refuses: parameters.
+//! Main functions: [`lab`], [`thesis`]. The drawings of both are lost in the text; what the text says about them
+//! (names, counts, which robot can go where) is kept, and the rest is a plausible guess. Refuses: parameters.
 
 use super::pen::{Cell, Pen, outline};
 use crate::time::Span;
@@ -31,8 +31,8 @@ const LAB_RING: [(&str, Cell); 20] = [
     ("R31", (5, 0)),
 ];
 
-/// The laboratory: two blocks of six racks, a street around them and one between them. The latter ends at
-/// R15, where one of the two robots stands: from R32 to R117 there are two ways only, by R101 or by R104.
+/// The laboratory: two blocks of six racks, a street around them and one between them. The latter ends at R15, where
+/// one of the two robots stands: from R32 to R117 there are only two ways, by R101 or by R104.
 pub fn lab() -> Warehouse {
     let mut pen = Pen::new("lab");
     for (name, cell) in LAB_RING {

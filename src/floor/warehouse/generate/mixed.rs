@@ -1,7 +1,7 @@
 //! The hall of the thesis for robots of two kinds: large movers that carry shelves, and small shuttles that carry bins.
 //!
-//! Main function: [`mixed`]. On the streets there is a node every half metre, nearer than a mover is wide: movers keep
-//! two nodes apart where shuttles queue on neighbours. Only shuttles pass beneath racks. Refuses: parameters.
+//! Main function: [`mixed`]. The streets have a node every half metre, less than the width of a mover: movers keep two
+//! nodes apart where shuttles queue on neighbours. Only shuttles pass beneath racks. Refuses: parameters.
 
 use super::halls::thesis_draft;
 use crate::geometry::Point;
@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The kind that passes beneath racks.
 const SMALL: &str = "shuttle";
-/// Every third rack is a bin, which shuttles carry; all others are shelves.
+/// Interval of bins among the racks: shuttles carry bins; all other racks are shelves.
 const BINS: usize = 3;
 
 /// The hall of the thesis for shuttles and movers.
@@ -28,8 +28,8 @@ pub fn mixed() -> Warehouse {
     draft.build().expect("the shipped map is well-formed, a test builds it")
 }
 
-/// Puts a node in the middle of each lane between nodes of open floor, unless a robot there would be in the way of one
-/// that stands beside the street.
+/// Puts a node in the middle of each lane between nodes of open floor, unless a robot there would be in the way of a
+/// robot that stands beside the street.
 fn halve_streets(draft: &mut Draft) {
     let places: BTreeMap<String, Point> = draft.nodes.iter().map(|n| (n.name.clone(), n.at)).collect();
     let stations = draft.stations.iter().flat_map(|s| std::iter::once(&s.node).chain(&s.queue));

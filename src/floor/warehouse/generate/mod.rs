@@ -1,4 +1,4 @@
-//! Maps made by rule: the ones that ship in `maps/`, and [`Blocks`] for others like them.
+//! Maps made by rule: the maps shipped in `maps/`, and [`Blocks`] for others like them.
 //!
 //! Main type: [`Blocks`]; [`lab`], [`thesis`], [`mixed()`], [`stations()`] and [`kiva`] are the shipped halls. Refuses:
 //! chance; the same parameters give the same map.

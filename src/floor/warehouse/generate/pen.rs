@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// A grid position, metres.
 pub(super) type Cell = (i64, i64);
 
-/// A draft under way, with the name of the node at each cell.
+/// A draft that is being drawn, with the name of the node at each cell.
 pub(super) struct Pen {
     pub draft: Draft,
     names: BTreeMap<Cell, String>,
@@ -29,13 +29,13 @@ impl Pen {
         name
     }
 
-    /// A node for a rack.
+    /// Adds a node for a rack.
     pub fn storage(&mut self, cell: Cell, name: impl Into<String>) {
         let name = self.node(cell, name);
         self.draft.storage.push(name);
     }
 
-    /// A place to stay beside the floor node at `floor`.
+    /// Adds a place to stay beside the floor node at `floor`.
     pub fn place(&mut self, cell: Cell, floor: Cell, name: impl Into<String>, charger: bool) {
         let name = self.node(cell, name);
         if charger { &mut self.draft.chargers } else { &mut self.draft.parking }.push(name);
@@ -61,7 +61,7 @@ impl Pen {
         self.draft.lanes.push(lane);
     }
 
-    /// Puts racks on this share of the storage nodes, scattered: free nodes are near wherever one looks.
+    /// Puts racks on this share of the storage nodes, scattered: free nodes are near everywhere.
     pub fn racks(&mut self, fill: f64) {
         const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
         let storage = &self.draft.storage;

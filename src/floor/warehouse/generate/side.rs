@@ -1,9 +1,9 @@
-//! What lies beyond the west or the east road of a hall: station bays, chargers, doors.
+//! The area beyond the west or the east road of a hall: station bays, chargers, doors.
 //!
-//! Main type: [`Side`]. Everything is laid out for the west side, where the outer lane runs south; the east
-//! side is the same turned by half a circle, and so is the traffic. A bay turns in from the outer lane one
-//! row before it comes out again, so that robots that come out never meet robots that turn in. Refuses: bays at
-//! the ends of roads between groups, which carry the through traffic.
+//! Main type: [`Side`]. Everything is laid out for the west side, where the outer lane runs south; the east side is the
+//! same turned by half a circle, and so is the traffic. A bay turns in from the outer lane one row before it comes out
+//! again, so that robots coming out never meet robots turning in. Refuses: bays at the ends of roads between groups,
+//! which carry the through traffic.
 
 use super::blocks::HallDraft;
 use super::pen::{Cell, outline, point};
@@ -16,9 +16,9 @@ pub(super) struct Side {
     turned: bool,
     width: i64,
     height: i64,
-    /// Rows in which stations are entered; each is left in the row south of it.
+    /// Rows in which stations are entered; each station is left in the row south of its own.
     bays: Vec<i64>,
-    /// Rows that are left for other things.
+    /// Rows that are left for chargers and parking places.
     free: Vec<i64>,
     /// Rows at the ends of roads between groups, and the south-west corner.
     doors: Vec<i64>,
@@ -49,7 +49,7 @@ impl Side {
             }
             chosen
         };
-        // Best: straight in from an aisle, or straight out into one. Then whatever is left.
+        // Best: straight in from an aisle, or straight out into one. Then any other row.
         let mut bays = take(stations, &|y| inwards(y) == Some(true) || inwards(y - 1) == Some(false));
         bays.extend(take(stations - bays.len(), &|_| true));
         bays.sort_unstable();
@@ -88,7 +88,7 @@ impl Side {
         }
     }
 
-    /// Places beside the road between the bays, each with the floor cell before it.
+    /// The places beside the road between the bays, each with the floor cell before it.
     pub fn places(&self) -> Vec<(Cell, Cell)> {
         self.free.iter().map(|&y| (self.cell((-1, y)), self.cell((0, y)))).collect()
     }

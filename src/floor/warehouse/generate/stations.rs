@@ -9,13 +9,13 @@ use crate::time::Span;
 use crate::warehouse::cell::{ArmMount, Cell, CellOpening, Place, RackType, Tote};
 use crate::warehouse::{Draft, Warehouse};
 
-/// From where the rack stands to the middle of the opening, metres.
+/// Distance from the rack's position to the middle of the opening, metres.
 const OPENING_M: f64 = 0.6;
-/// The workplace begins and ends so far from there, metres.
+/// Distances from the rack's position to the beginning and the end of the workplace, metres.
 const WORKPLACE_M: [f64; 2] = [0.9, 1.9];
 /// Half of the width of opening and workplace, metres.
 const HALF_M: f64 = 0.6;
-/// How high totes and the table of the arm are, metres.
+/// Height of totes and of the arm's table, metres.
 const TABLE_M: f64 = 0.85;
 /// Stations with an arm beside the picker.
 const WITH_ARM: [&str; 2] = ["S1", "S2"];
@@ -31,7 +31,7 @@ pub fn stations() -> Warehouse {
         stations_west: 2,
         stations_east: 2,
         queue: 3,
-        // What the simulated pickers of the shipped scenario take on average, with a button for each line.
+        // The average of the simulated pickers in the shipped scenario, with a button for each line.
         pick: Span::from_secs(25),
         chargers: 12,
         parking: 24,
@@ -45,7 +45,7 @@ pub fn stations() -> Warehouse {
     draft.build().expect("the shipped map is well-formed, a test builds it")
 }
 
-/// Gives a station bay and its nodes another name.
+/// Renames a station bay and its nodes.
 fn rename(draft: &mut Draft, bay: &str, station: &str) {
     let renamed = |name: &mut String| {
         let rest = name.strip_prefix(bay).filter(|rest| rest.is_empty() || rest.starts_with('.'));
@@ -91,7 +91,7 @@ pub fn with_cells(warehouse: &Warehouse, arms: usize) -> Warehouse {
     furnished
 }
 
-/// The racks of the map, as somebody sees them who picks from them.
+/// The racks of the map, as their picker sees them.
 fn shelf() -> RackType {
     RackType {
         name: "shelf".into(),
@@ -104,7 +104,7 @@ fn shelf() -> RackType {
 
 /// The cell of a station whose rack stands at `stands`, `outward` of the hall.
 fn cell(stands: Point, outward: Vector, has_arm: bool) -> Cell {
-    // As the picker sees it, who looks at the rack.
+    // As seen by a picker looking at the rack.
     let right = Vector::new(-outward.y, outward.x);
     let point = |out_m: f64, right_m: f64| stands + outward * out_m + right * right_m;
     let rectangle = |near_m: f64, far_m: f64| {

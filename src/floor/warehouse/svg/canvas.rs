@@ -1,20 +1,20 @@
-//! From metres to pixels, and text as SVG has it.
+//! From metres to pixels, and text escaped for SVG.
 //!
 //! Main type: [`Canvas`]. Refuses: to draw anything.
 
 use crate::geometry::Point;
 use crate::warehouse::Warehouse;
 
-/// The longer side of the floor fills about so much, pixels.
+/// Approximate size of the floor's longer side, pixels.
 const FLOOR_PX: f64 = 1_600.0;
-/// Narrowest drawing, so that title and legend have room, pixels.
+/// Least width of a drawing, so that title and legend have room, pixels.
 const WIDTH_MIN: f64 = 640.0;
-/// Around everything, pixels.
+/// Margin around everything, pixels.
 pub(super) const MARGIN: f64 = 36.0;
 /// Height of the title, pixels.
 const TITLE: f64 = 76.0;
 
-/// From metres to pixels.
+/// The mapping from metres to pixels.
 pub(super) struct Canvas {
     /// Pixels per metre.
     pub scale: f64,
@@ -22,14 +22,14 @@ pub(super) struct Canvas {
     pub width: f64,
     /// Room on the left of the floor, pixels.
     pub left: f64,
-    /// Low corner of what is shown, metres.
+    /// Low corner of the area that is shown, metres.
     pub low: Point,
-    /// High corner of what is shown, metres.
+    /// High corner of the area that is shown, metres.
     pub high: Point,
 }
 
 impl Canvas {
-    /// Room for all of a map.
+    /// A canvas with room for all of a map.
     pub fn around(w: &Warehouse) -> Canvas {
         let (low, high) = w.bounds();
         let (low, high) = (Point::new(low.x - 0.5, low.y - 0.5), Point::new(high.x + 0.5, high.y + 0.5));
@@ -39,18 +39,18 @@ impl Canvas {
         Canvas { scale, width, left: (width - size.x * scale) / 2.0, low, high }
     }
 
-    /// Where a place is drawn, pixels.
+    /// The pixel position of a place.
     pub fn px(&self, p: Point) -> (f64, f64) {
         (self.left + (p.x - self.low.x) * self.scale, MARGIN + TITLE + (self.high.y - p.y) * self.scale)
     }
 
-    /// Where what is said below the floor begins, pixels from the top.
+    /// Where the text below the floor begins, pixels from the top.
     pub fn legend_top(&self) -> f64 {
         self.px(self.low).1 + MARGIN * 0.8
     }
 }
 
-/// Text without marks of SVG.
+/// Text with the special characters of SVG escaped.
 pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,4 +1,4 @@
-//! Errors of a map in red: a numbered ring at each place, and below the floor what each number means.
+//! Errors of a map in red: a numbered ring at each place, and below the floor the meaning of each number.
 //!
 //! Main function: [`draw`]. Refuses: to draw more rings than a reader can tell apart.
 
@@ -6,21 +6,21 @@ use super::canvas::{Canvas, MARGIN, escape};
 use crate::warehouse::check::Remark;
 use std::fmt::Write as _;
 
-/// So many errors are told below the floor; `map check` tells all.
+/// Number of errors explained below the floor; `map check` lists all.
 const TOLD: usize = 40;
-/// So many rings are drawn for one error.
+/// Number of rings drawn for one error.
 const RINGS: usize = 200;
 /// Height of a line of text, pixels.
 const LINE: f64 = 19.0;
-/// Width of a letter on average, pixels.
+/// Average width of a letter, pixels.
 const LETTER: f64 = 6.6;
 
-/// What the marks look like; not part of drawings without any.
+/// Style of the marks; left out of drawings without marks.
 const STYLE: &str = "<style>.mark{fill:#d92d20;fill-opacity:.12;stroke:#d92d20;stroke-width:2.5}
 .number{fill:#b42318;font-weight:700;text-anchor:middle}.wrong{fill:#b42318;font-size:13px}</style>
 ";
 
-/// How much room the words take below the legend, pixels.
+/// Room that the words take below the legend, pixels.
 pub(super) fn height(c: &Canvas, errors: &[&Remark]) -> f64 {
     let lines: usize = told(c, errors).iter().map(Vec::len).sum();
     if lines == 0 { 0.0 } else { (lines + 1) as f64 * LINE }
@@ -59,7 +59,7 @@ pub(super) fn draw(out: &mut String, c: &Canvas, errors: &[&Remark], top: f64) {
     }
 }
 
-/// The words, each error broken into lines.
+/// The explanations, each error broken into lines.
 fn told(c: &Canvas, errors: &[&Remark]) -> Vec<Vec<String>> {
     let width = ((c.width - 2.0 * MARGIN) / LETTER) as usize;
     let told = errors.iter().enumerate().take(TOLD).map(|(i, e)| wrapped(&format!("{}  {e}", i + 1), width));

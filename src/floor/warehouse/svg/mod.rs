@@ -1,8 +1,7 @@
 //! A map as a drawing: floor, lanes, places, with title, scale and legend.
 //!
-//! Main function: [`to_svg`]. Names are drawn where there are few nodes; stations always have theirs.
-//! A refused map is drawn without
-//! its bad parts, with its errors in red. Refuses: robots and people; a drawing shows the building only.
+//! Main function: [`to_svg`]. Names are drawn if there are few nodes; stations always have theirs. A refused map is
+//! drawn without its bad parts, with its errors in red. Refuses: robots and people; a drawing shows the building only.
 
 mod canvas;
 mod marks;
@@ -15,9 +14,9 @@ use canvas::{Canvas, MARGIN, escape};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// Room for one entry of the legend, pixels.
+/// Size of one entry of the legend, pixels.
 const ENTRY: (f64, f64) = (184.0, 28.0);
-/// Maps with fewer nodes show all names.
+/// Number of nodes below which a map shows all names.
 const NAMED_BELOW: usize = 120;
 
 const STYLE: &str = "
@@ -37,7 +36,7 @@ pub fn to_svg(w: &Warehouse) -> String {
     draw(w, &[])
 }
 
-/// Draws a map with its errors in red, where they are and in words; nothing where nothing of it can be drawn.
+/// Draws a map with its errors in red, at their places and in words; nothing if no part of it can be drawn.
 pub fn review_to_svg(review: &Review) -> Option<String> {
     let errors: Vec<&Remark> = review.of(Severity::Error).collect();
     Some(draw(review.warehouse.as_ref()?, &errors))
@@ -71,7 +70,7 @@ fn draw(w: &Warehouse, errors: &[&Remark]) -> String {
     out
 }
 
-/// Appends formatted text; a string never refuses it.
+/// Appends formatted text; writing to a string never fails.
 macro_rules! put {
     ($out:expr, $($arg:tt)*) => {
         write!($out, $($arg)*).expect("a string takes all text")
@@ -237,7 +236,7 @@ fn names(out: &mut String, c: &Canvas, w: &Warehouse) {
     }
 }
 
-/// A node's name: inside storage and queue places, else below and to the right, clear of the lanes.
+/// Draws a node's name: inside storage and queue places, else below and to the right, clear of the lanes.
 fn name(out: &mut String, c: &Canvas, node: &Node, has_rack: bool) {
     let (x, y) = c.px(node.at);
     let size = (c.scale * 0.17).min(11.0);
@@ -257,7 +256,7 @@ fn name(out: &mut String, c: &Canvas, node: &Node, has_rack: bool) {
     );
 }
 
-/// What a line of the legend shows: a symbol, or a lane of a class with or without an arrow.
+/// The mark of a line of the legend: a symbol, or a lane of a class with or without an arrow.
 enum LegendMark {
     Symbol(&'static str),
     Lane(&'static str, bool),

@@ -1,4 +1,4 @@
-//! Ways between robots that stand: searched cell by cell, where the middle lines of the floor lead into them.
+//! Paths between standing robots: searched cell by cell, since the middle lines of the floor lead into the robots.
 //!
 //! Middle lines are right for a free floor. Past a robot that stands half across one, a person walks along its side.
 //! Main type: [`WaysBetween`]. Refuses: to look farther than a few metres: from there on middle lines serve.
@@ -21,29 +21,29 @@ pub struct Square {
     pub half_m: f64,
 }
 
-/// The shortest ways from one place to all near it.
+/// The shortest paths from one place to everything near it.
 #[derive(Debug)]
 pub struct WaysBetween<'a> {
     walkways: &'a Walkways,
     squares: Vec<Square>,
     from: Point,
-    /// Cells along a side of the window, whose middle is where the ways begin.
+    /// Number of cells along a side of the window; the paths begin in its middle.
     side: i64,
-    /// Length of the way to each cell, tenths of a cell, and the cell before it.
+    /// Length of the path to each cell, tenths of a cell, and the cell before it.
     reached: Vec<(u32, u32)>,
 }
 
 impl Square {
-    /// How far inside a point is, metres; negative outside.
+    /// Depth of a point inside the square, metres; negative outside.
     pub fn depth_m(&self, p: Point) -> f64 {
         self.half_m - (p.x - self.at.x).abs().max((p.y - self.at.y).abs())
     }
 }
 
 impl Walkways {
-    /// The shortest ways from a place to all within a window of `reach_m` (metres) on each side, round squares. From
-    /// inside a square, where a measurement may put a person, ways lead straight out of it. O(cells log cells) of the
-    /// window, times the squares.
+    /// The shortest paths from a place to everything within a window of `reach_m` (metres) on each side, around
+    /// squares. From inside a square, where a measurement may put a person, paths lead straight out of it. O(cells log
+    /// cells) of the window, times the squares.
     pub fn ways_between(&self, from: Point, squares: Vec<Square>, reach_m: f64) -> WaysBetween<'_> {
         let cells = (reach_m / self.cell_m()).ceil() as i64;
         let side = 2 * cells + 1;
@@ -85,7 +85,7 @@ impl WaysBetween<'_> {
         Point::new(self.from.x + x * self.walkways.cell_m(), self.from.y + y * self.walkways.cell_m())
     }
 
-    /// The cell of the window in which a point is.
+    /// The cell of the window that contains a point.
     fn cell(&self, p: Point) -> Option<usize> {
         let at = |v: f64| (v / self.walkways.cell_m()).round() as i64 + self.side / 2;
         let (x, y) = (at(p.x - self.from.x), at(p.y - self.from.y));
@@ -93,7 +93,8 @@ impl WaysBetween<'_> {
         within.then(|| (y * self.side + x) as usize)
     }
 
-    /// Whether a person can walk from one point to another close by: onto free floor, within a square only outwards.
+    /// Whether a person can walk from one point to another close by: onto free floor, and within a square only
+    /// outwards.
     fn is_step(&self, here: Point, there: Point) -> bool {
         let leaves = |s: &Square| s.depth_m(there) <= 0.0 || s.depth_m(there) < s.depth_m(here);
         self.walkways.is_free(there) && self.squares.iter().all(leaves)
@@ -110,13 +111,13 @@ impl WaysBetween<'_> {
         self.squares.iter().all(|s| s.depth_m(p) <= 0.0)
     }
 
-    /// Length of the way to a place, metres; nothing where there is none within the window.
+    /// Length of the path to a place, metres; nothing if there is none within the window.
     pub fn length_m(&self, to: Point) -> Option<f64> {
         let (length, _) = self.reached[self.cell(to)?];
         (length != u32::MAX).then(|| f64::from(length) * 0.1 * self.walkways.cell_m())
     }
 
-    /// The way to a place, its ends included, with as few corners as it needs.
+    /// The path to a place, including its ends, with as few corners as it needs.
     pub fn way_to(&self, to: Point) -> Option<Vec<Point>> {
         self.length_m(to)?;
         let back = std::iter::successors(self.cell(to), |cell| {

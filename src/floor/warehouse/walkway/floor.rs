@@ -5,14 +5,14 @@
 use crate::geometry::{Point, inside};
 use crate::warehouse::{NodeKind, Warehouse};
 
-/// Side of a cell where the building is not too large for it, metres.
+/// Side of a cell unless the building is too large for it, metres.
 const CELL_M: f64 = 0.1;
-/// Larger buildings get larger cells.
+/// Largest number of cells; larger buildings get larger cells.
 const CELLS_MAX: f64 = 8e6;
-/// Where no person of this half width fits, nobody walks: slits between racks are no floor. Metres.
+/// Half width of a person, metres: slits between racks too narrow for it are not floor.
 const HALF_WIDTH_M: f64 = 0.2;
-/// The sampled points of a cell, as parts of its side from its middle. A border through the middle of a cell
-/// so takes the cell away, whichever side the floor is on: aisles stay symmetric.
+/// The sampled points of a cell, as parts of its side from its middle. A border through the middle of a cell thus takes
+/// the cell away, whichever side the floor is on: aisles stay symmetric.
 const SAMPLES: [(f64, f64); 4] = [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)];
 
 /// The raster. Cells are numbered row by row from the south; the outermost ones are never free.
@@ -24,7 +24,7 @@ pub(super) struct Raster {
     pub low: Point,
     pub columns: usize,
     pub rows: usize,
-    /// Squared distance to the nearest cell that is not free, in cells; 0 for these themselves.
+    /// Squared distance to the nearest cell that is not free, in cells; 0 for cells that are not free.
     pub clear2: Vec<u32>,
 }
 
@@ -91,7 +91,7 @@ impl Raster {
         }
     }
 
-    /// Takes away what is too narrow for a person: cells beyond the reach of a disc that fits.
+    /// Removes floor that is too narrow for a person: cells beyond the reach of a disc that fits.
     fn close_slits(&mut self) {
         let half = ((HALF_WIDTH_M / self.cell_m) as u32).pow(2);
         let reach = distances2(self.columns, self.rows, |i| self.clear2[i] >= half.max(1));
@@ -118,7 +118,7 @@ impl Raster {
         self.cell(p).is_some_and(|i| self.clear2[i] > 0)
     }
 
-    /// Metres from a cell to the nearest one that is not free.
+    /// Distance from a cell to the nearest one that is not free, metres.
     pub fn clearance_m(&self, i: usize) -> f64 {
         f64::from(self.clear2[i]).sqrt() * self.cell_m
     }
@@ -131,8 +131,8 @@ impl Raster {
         (0..=steps).all(|k| self.is_free(a + (b - a) * (k as f64 / steps as f64)))
     }
 
-    /// The middle of the free cell nearest to a point, no farther than `reach` (metres); the point itself
-    /// where it is free.
+    /// The middle of the free cell nearest to a point, no farther than `reach` (metres); the point itself if it is
+    /// free.
     pub fn nearest_free(&self, p: Point, reach: f64) -> Option<Point> {
         if self.is_free(p) {
             return Some(p);
@@ -149,7 +149,7 @@ impl Raster {
     }
 }
 
-/// Where a map says nothing of its floor: the rectangle around its aisles.
+/// The rectangle around the aisles, for a map without outlines of its floor.
 fn around_aisles(w: &Warehouse) -> Vec<Point> {
     let aisles = w.nodes_where(|k| matches!(k, NodeKind::Aisle | NodeKind::Exit));
     let points = aisles.into_iter().map(|n| w.nodes[n].at);

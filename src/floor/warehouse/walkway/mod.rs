@@ -1,10 +1,10 @@
 //! Where people walk: the free floor and its middle lines.
 //!
 //! The middle lines are the generalised Voronoi diagram of the free floor, made into a graph: crossings, corners and
-//! points between, no farther apart than the robots' nodes usually are (Petković 2021, section 3.3, uses such a
-//! diagram of the floor plan; section 4.3.2 a network at the pitch of the road nodes). Main type: [`Walkways`], made
-//! once per building; [`EdgeSet`] holds which edges are cut at present. Refuses: robots, goals, anything that
-//! moves, and holes that lifted racks leave.
+//! points between, no farther apart than the robots' nodes usually are (Petković 2021, section 3.3, uses such a diagram
+//! of the floor plan; section 4.3.2 a network at the pitch of the road nodes). Main type: [`Walkways`], made once per
+//! building; [`EdgeSet`] tells which edges are cut at present. Refuses: robots, goals, anything that moves, and holes
+//! that lifted racks leave.
 
 mod between;
 mod floor;
@@ -29,26 +29,26 @@ use floor::Raster;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// No edge is longer, metres.
+/// Greatest length of an edge, metres.
 pub(super) const PITCH_M: f64 = 1.0;
-/// Places where people can stand are so far apart, and so far from things in the way at least, metres.
+/// Distance between places where people can stand, and their least distance from obstacles, metres.
 const STANDING_PITCH_M: f64 = 0.5;
 const STANDING_CLEARANCE_M: f64 = 0.3;
-/// A straight way that comes so near to the middle of a cut edge, and goes on, is cut too. Metres.
+/// A straight path that comes this near to the middle of a cut edge, and goes on, is cut too, metres.
 const CUT_REACH_M: f64 = 0.5;
-/// A person whose pose is so far off the floor is taken to be on its nearest free cell, metres.
+/// A person whose pose is this far off the floor at most is taken to be on the nearest free cell, metres.
 const OFF_FLOOR_M: f64 = 1.0;
 
 /// A point on a middle line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WalkNode {
-    /// Where, metres.
+    /// Position, metres.
     pub at: Point,
-    /// Distance to the nearest thing in the way, metres.
+    /// Distance to the nearest obstacle, metres.
     pub clearance_m: f64,
 }
 
-/// A straight piece of a middle line, walked either way.
+/// A straight segment of a middle line, walked either way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WalkEdge {
     /// One end.
@@ -57,7 +57,7 @@ pub struct WalkEdge {
     pub b: WalkNodeId,
     /// Length, metres.
     pub length_m: f64,
-    /// Least distance to things in the way, metres.
+    /// Least distance to obstacles, metres.
     pub clearance_m: f64,
 }
 
@@ -127,13 +127,13 @@ impl Walkways {
         &self.links[self.start[n.ix()] as usize..self.start[n.ix() + 1] as usize]
     }
 
-    /// The straight piece that an edge is.
+    /// The straight segment of an edge.
     pub fn segment(&self, e: WalkEdgeId) -> Segment {
         let edge = &self.edges[e];
         Segment { a: self.nodes[edge.a].at, b: self.nodes[edge.b].at }
     }
 
-    /// No set of edges, of the right size.
+    /// An empty set of edges, of the right size.
     pub fn no_edges(&self) -> EdgeSet {
         EdgeSet { words: vec![0; self.edges.len().div_ceil(64)], areas: Vec::new() }
     }
@@ -148,7 +148,7 @@ impl Walkways {
         self.floor.is_free(p)
     }
 
-    /// Metres from a point to the nearest thing in the way; zero off the floor.
+    /// Distance from a point to the nearest obstacle, metres; zero off the floor.
     pub fn clearance_m(&self, p: Point) -> f64 {
         self.floor.cell(p).map_or(0.0, |i| self.floor.clearance_m(i))
     }
@@ -158,18 +158,18 @@ impl Walkways {
         self.floor.sees(a, b)
     }
 
-    /// Whether one can walk straight from `a` to `b`: it is free floor, and leads past no cut edge.
+    /// Whether a person can walk straight from `a` to `b`: over free floor, and past no cut edge.
     pub fn sees_past(&self, a: Point, b: Point, cut: &EdgeSet) -> bool {
         self.sees(a, b) && !self.leads_past(a, b, cut)
     }
 
-    /// The point, or the nearest one on free floor where it is off it by less than a metre.
+    /// The point, or the nearest point on free floor if it is off the floor by less than a metre.
     pub fn on_floor(&self, p: Point) -> Option<Point> {
         self.floor.nearest_free(p, OFF_FLOOR_M)
     }
 
     /// Places where a person can stand no farther than `radius` (metres) from `p` as the crow flies, half a metre
-    /// apart, the nearest first. Middle lines lead through the middle of the floor; these are also at its edges.
+    /// apart, the nearest first. Middle lines lead through the middle of the floor; these places are also at its edges.
     pub fn standing_places(&self, p: Point, radius: f64) -> Vec<Point> {
         let steps = (radius / STANDING_PITCH_M).floor() as i64;
         let along =
@@ -195,19 +195,19 @@ impl Walkways {
         self.near_nodes.within(p, radius).into_iter().map(|(i, _)| WalkNodeId::at(i))
     }
 
-    /// The node nearest to `p` as the crow flies; nothing where the map has no walkways.
+    /// The node nearest to `p` as the crow flies; nothing if the map has no walkways.
     pub fn nearest(&self, p: Point) -> Option<(WalkNodeId, f64)> {
         self.near_nodes.nearest(p).map(|(i, distance)| (WalkNodeId::at(i), distance))
     }
 
-    /// The edges that come nearer to `p` than `radius` (metres), by id: what a robot of that radius blocks.
+    /// The edges that come nearer to `p` than `radius` (metres), by id: the edges that a robot of that radius blocks.
     pub fn edges_within(&self, p: Point, radius: f64) -> Vec<WalkEdgeId> {
         let close = self.near_edges.within(p, radius + PITCH_M / 2.0).into_iter();
         let close = close.map(|(i, _)| WalkEdgeId::at(i));
         close.filter(|e| distance_to(p, self.segment(*e)).0 < radius).collect()
     }
 
-    /// Cuts an area off: all edges that run into it, and all straight ways.
+    /// Cuts an area off: all edges that run into it, and all straight paths.
     pub fn cut_area(&self, cut: &mut EdgeSet, outline: &Arc<[Point]>) {
         for e in self.edges.ids().filter(|e| runs_through(outline, self.segment(*e))) {
             cut.insert(e);
@@ -215,8 +215,8 @@ impl Walkways {
         cut.areas.push(outline.clone());
     }
 
-    /// Whether the straight way from `a` to `b` runs into a cut area, or goes past a robot: it approaches the middle
-    /// of a cut edge and leaves it behind. A way that ends before it, or starts there and leads away, does not.
+    /// Whether the straight path from `a` to `b` runs into a cut area, or goes past a robot: it approaches the middle
+    /// of a cut edge and leaves it behind. A path that ends before it, or starts there and leads away, does not.
     fn leads_past(&self, a: Point, b: Point, cut: &EdgeSet) -> bool {
         if cut.is_empty() {
             return false;
@@ -234,7 +234,7 @@ impl Walkways {
     }
 }
 
-/// The places to which walkways lead even where these are dead ends: doors, stations, and ends of aisles.
+/// The places to which walkways lead even if these are dead ends: doors, stations, and ends of aisles.
 fn places(w: &Warehouse) -> Vec<Point> {
     let is_aisle = |n: NodeId| matches!(w.kind(n), NodeKind::Aisle | NodeKind::Exit);
     let mut beside = vec![BTreeSet::new(); w.nodes.len()];
@@ -250,14 +250,14 @@ fn places(w: &Warehouse) -> Vec<Point> {
     w.nodes.ids().filter(kept).map(|n| w.nodes[n].at).collect()
 }
 
-/// The distance of a point to a straight piece, and where along the piece (0 to 1) it is nearest.
+/// The distance of a point from a straight segment, and where along the segment (0 to 1) it is nearest.
 fn distance_to(p: Point, s: Segment) -> (f64, f64) {
     let d = s.b - s.a;
     let u = if d.norm_squared() > 0.0 { ((p - s.a).dot(&d) / d.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
     ((p - s.point(u)).norm(), u)
 }
 
-/// A set of edges, one bit each; and areas which no straight way may run into.
+/// A set of edges, one bit each, and areas that no straight path may run into.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EdgeSet {
     words: Vec<u64>,
@@ -265,7 +265,7 @@ pub struct EdgeSet {
 }
 
 impl EdgeSet {
-    /// Adds an edge; whether it was not there before.
+    /// Adds an edge; gives whether it was not there before.
     pub fn insert(&mut self, e: WalkEdgeId) -> bool {
         let (word, bit) = (&mut self.words[e.ix() / 64], 1 << (e.ix() % 64));
         let new = *word & bit == 0;
@@ -273,7 +273,7 @@ impl EdgeSet {
         new
     }
 
-    /// Takes an edge out; whether it was there.
+    /// Removes an edge; gives whether it was there.
     pub fn remove(&mut self, e: WalkEdgeId) -> bool {
         let (word, bit) = (&mut self.words[e.ix() / 64], 1 << (e.ix() % 64));
         let there = *word & bit != 0;
@@ -281,17 +281,17 @@ impl EdgeSet {
         there
     }
 
-    /// Whether an edge is in it.
+    /// Whether an edge is in the set.
     pub fn contains(&self, e: WalkEdgeId) -> bool {
         self.words[e.ix() / 64] >> (e.ix() % 64) & 1 == 1
     }
 
-    /// Whether none is.
+    /// Whether the set has no edges.
     pub fn is_empty(&self) -> bool {
         self.areas.is_empty() && self.words.iter().all(|w| *w == 0)
     }
 
-    /// All of them, in order.
+    /// All edges, in order.
     pub fn iter(&self) -> impl Iterator<Item = WalkEdgeId> {
         let bits = |w: u64| (0..64).filter(move |b| w >> b & 1 == 1);
         self.words

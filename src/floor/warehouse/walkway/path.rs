@@ -1,4 +1,4 @@
-//! The shortest way on foot between two points.
+//! The shortest path on foot between two points.
 //!
 //! Main type: [`WalkPath`]. Refuses: to know who walks it, and when.
 
@@ -8,21 +8,21 @@ use crate::id::{Dense, WalkNodeId};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Where a way may leave the floor for the graph and come back, metres; farther where nothing is so near.
+/// Distance within which a path may leave the floor for the graph and come back, metres; farther if no node is so near.
 const REACH_M: f64 = 2.5;
 
-/// A way over the walkways.
+/// A path over the walkways.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WalkPath {
-    /// Nodes on the way; none where both ends see each other.
+    /// Nodes on the path; none if both ends see each other.
     pub nodes: Vec<WalkNodeId>,
-    /// All points, ends included.
+    /// All points, including the ends.
     pub points: Vec<Point>,
     /// Length, metres.
     pub length_m: f64,
 }
 
-/// A node with the length of the way to it; the nearest first, then the lowest id.
+/// A node with the length of the path to it; the nearest first, then the lowest id.
 #[derive(PartialEq)]
 struct PathLabel(f64, WalkNodeId);
 
@@ -41,8 +41,8 @@ impl Ord for PathLabel {
 }
 
 impl Walkways {
-    /// The nodes that one can walk to straight from `p`, with their distances in metres: those within a few
-    /// metres, or farther where there are none.
+    /// The nodes that a person can walk to straight from `p`, with their distances in metres: the nodes within a few
+    /// metres, or farther if there are none.
     pub fn doorsteps(&self, p: Point, cut: &EdgeSet) -> Vec<(WalkNodeId, f64)> {
         let Some(p) = self.on_floor(p) else { return Vec::new() };
         for radius in [REACH_M, 4.0 * REACH_M] {
@@ -55,7 +55,7 @@ impl Walkways {
         Vec::new()
     }
 
-    /// The shortest way from one point to another without the cut edges; nothing where there is none.
+    /// The shortest path from one point to another without the cut edges; nothing if there is none.
     pub fn path(&self, from: Point, to: Point, cut: &EdgeSet) -> Option<WalkPath> {
         let (start, goal) = (self.on_floor(from)?, self.on_floor(to)?);
         if (goal - start).norm() <= REACH_M && self.sees_past(start, goal, cut) {

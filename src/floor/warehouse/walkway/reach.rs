@@ -1,4 +1,4 @@
-//! How far everything near is on foot.
+//! Walking distances to everything near.
 //!
 //! Main function: [`Walkways::within`]. Refuses: to look farther than asked.
 
@@ -7,13 +7,13 @@ use crate::geometry::Point;
 use crate::id::{Dense, WalkNodeId};
 use std::collections::BTreeMap;
 
-/// Millimetres, so that the queue has a total order.
+/// Whole millimetres, so that the queue has a total order.
 fn mm(metres: f64) -> i64 {
     crate::geometry::to_mm(metres)
 }
 
 impl Walkways {
-    /// All nodes that can be reached from `p` on foot within `length_m`, by id, with the way to them in metres.
+    /// All nodes that can be reached from `p` on foot within `length_m`, by id, with the length of the path in metres.
     pub fn within(&self, p: Point, length_m: f64) -> BTreeMap<WalkNodeId, f64> {
         let mut found = BTreeMap::new();
         let starts = self.doorsteps(p, &self.no_edges());

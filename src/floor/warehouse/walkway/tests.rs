@@ -11,7 +11,7 @@ fn drawn(drawing: &str) -> Walkways {
     Walkways::of(&sketch(drawing).build().expect("well-formed"))
 }
 
-/// Directions from a node to the cells in its way that are about as near as the nearest.
+/// Directions from a node to the obstacle cells that are about as near as the nearest.
 fn walls(walks: &Walkways, at: Point) -> Vec<f64> {
     let (cell, clear) = (walks.cell_m(), walks.clearance_m(at));
     let reach = clear + 2.1 * cell;
@@ -104,7 +104,7 @@ fn without_outlines_the_rectangle_around_the_aisles_is_the_floor() {
     let walks = drawn(".....\n.RRR.\n.RRR.\n.....\nC...P");
     assert!(walks.is_free(p(0.0, 0.0)) && walks.is_free(p(4.4, 4.4)));
     assert!(!walks.is_free(p(2.0, 2.0)) && !walks.is_free(p(4.6, 0.0)) && !walks.is_free(p(9.0, 9.0)));
-    // Nobody walks through the slits between racks.
+    // The slits between racks are too narrow for people.
     assert!(!walks.is_free(p(1.5, 2.5)) && !walks.sees(p(1.5, 1.0), p(1.5, 4.0)));
     assert!(walks.sees(p(0.0, 0.0), p(4.0, 0.0)) && !walks.sees(p(0.0, 0.0), p(2.0, 4.0)));
 }
@@ -132,7 +132,7 @@ fn a_robot_in_an_aisle_cuts_the_way_through_and_it_goes_round_the_block() {
     assert_eq!(cut.iter().collect::<Vec<_>>(), walks.edges_within(p(3.0, 3.0), 1.0));
     let round = walks.path(from, to, &cut).expect("a way round");
     assert!((13.0..15.1).contains(&round.length_m), "{}", round.length_m);
-    // One may walk up to the robot, but not past it, though its far side is in sight.
+    // A person may walk up to the robot, but not past it, though its far side is in sight.
     assert!(walks.sees_past(from, p(3.0, 1.5), &cut) && !walks.sees_past(from, p(3.0, 4.5), &cut));
     assert!(walks.sees_past(p(3.0, 1.4), p(3.0, 0.5), &cut), "and away from it");
     assert!(walks.doorsteps(from, &cut).iter().all(|(n, _)| walks.nodes()[*n].at.y < 2.6));

@@ -1,10 +1,10 @@
 //! The middle lines of the free floor: its generalised Voronoi diagram, one cell wide.
 //!
-//! Main function: [`skeleton`]. Free cells are taken away from the walls inwards, in the order of their distance to
-//! what is not free, as long as the floor stays connected and keeps its loops (distance-ordered homotopic thinning,
-//! Pudney 1998). What is left has the same distance to two walls, and exactly one line runs between any two obstacles.
-//! A dead end is eaten up from its end, unless a cell in it is to be kept. Refuses: branches into corners, which a
-//! plain diagram has everywhere and nobody walks.
+//! Main function: [`skeleton`]. Free cells are removed from the walls inwards, in the order of their distance to the
+//! cells that are not free, as long as the floor stays connected and keeps its loops (distance-ordered homotopic
+//! thinning, Pudney 1998). The remaining cells have the same distance to two walls, and exactly one line runs between
+//! any two obstacles. A dead end is removed from its end, unless a cell in it is to be kept. Refuses: branches into
+//! corners, which a plain diagram has everywhere and people do not walk.
 
 use super::floor::Raster;
 use std::cmp::Reverse;
@@ -41,8 +41,8 @@ pub(super) fn around(columns: usize, i: usize) -> [usize; 8] {
     [i + 1, north + 1, north, north - 1, i - 1, south - 1, south, south + 1]
 }
 
-/// Whether taking the cell away changes neither how many parts the floor has (with diagonal neighbours) nor
-/// how many holes: Hilditch's crossing number is one.
+/// Whether removing the cell changes neither the number of parts of the floor (with diagonal neighbours) nor the number
+/// of holes: Hilditch's crossing number is one.
 fn is_simple(left: &[bool], around: &[usize; 8]) -> bool {
     let x = around.map(|j| left[j]);
     let crossings = [0, 2, 4, 6].into_iter().filter(|&k| !x[k] && (x[k + 1] || x[(k + 2) % 8])).count();

@@ -1,9 +1,9 @@
-//! The earliest way on foot between robots: when robots take a walkway is known, and whoever walks may wait.
+//! The earliest path on foot between robots: it is known when robots take a walkway, and a walker may wait.
 //!
 //! Main types: [`Occupied`] (when which points of the middle lines are taken), [`TimedPath`]. The search is safe
 //! interval path planning (Phillips and Likhachev 2011): a label is a point and one of its free intervals, with the
-//! earliest time of being there; one waits wherever the interval lasts. Refuses: to know who takes a place, and to look
-//! at more labels than it may.
+//! earliest time of being there; the walker may wait wherever the interval lasts. Refuses: to know which robot takes a
+//! place, and to look at more labels than it may.
 
 use super::{EdgeSet, Walkways};
 use crate::geometry::Point;
@@ -12,25 +12,25 @@ use crate::time::{Span, Time, Window};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// A point of a path no farther than this from a point of the middle lines is that one, metres.
+/// Distance within which a point of a path counts as a point of the middle lines, metres.
 const ON_M: f64 = 0.5;
 
-/// A longer straight piece leads past points of the middle lines, metres.
+/// Length beyond which a straight segment leads past points of the middle lines, metres.
 const STEP_M: f64 = 1.3;
 
-/// When points of the middle lines are taken, by whom.
+/// When points of the middle lines are taken, and by which robots.
 #[derive(Clone, Debug, Default)]
 pub struct Occupied {
     windows: BTreeMap<WalkNodeId, Vec<(Window, RobotId)>>,
 }
 
 impl Occupied {
-    /// A robot takes a point for a while.
+    /// Records that a robot takes a point for a while.
     pub fn add(&mut self, n: WalkNodeId, window: Window, robot: RobotId) {
         self.windows.entry(n).or_default().push((window, robot));
     }
 
-    /// Sorts what was added. Before that, nothing may be asked.
+    /// Sorts the recorded windows. Call this before any query.
     pub fn sort(&mut self) {
         self.windows
             .values_mut()
@@ -42,7 +42,7 @@ impl Occupied {
         self.windows.get(&n).into_iter().flatten().filter(move |(w, _)| w.end() > from)
     }
 
-    /// The free intervals of a point from `from` on, each with the robot that ended the time before it.
+    /// The free intervals of a point from `from` on, each with the robot that took it before the interval.
     fn free(&self, n: WalkNodeId, from: Time) -> Vec<(Window, Option<RobotId>)> {
         let (mut free, mut since, mut after) = (Vec::new(), from, None);
         for (window, robot) in self.of(n, from) {
@@ -60,31 +60,31 @@ impl Occupied {
     }
 }
 
-/// A way with times.
+/// A path with times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedPath {
-    /// All points, ends included.
+    /// All points, including the ends.
     pub points: Vec<Point>,
-    /// When each of them is reached.
+    /// Arrival time at each point.
     pub arrivals: Vec<Time>,
-    /// For each of them, the robot that one waits for before going there, if one does.
+    /// For each point, the robot that the walker waits for before going there, if any.
     pub waits_for: Vec<Option<RobotId>>,
 }
 
 impl TimedPath {
-    /// When the end is reached.
+    /// Arrival time at the end.
     pub fn arrival(&self) -> Time {
         *self.arrivals.last().expect("a way has two ends")
     }
 }
 
-/// Of points that one can walk to straight, those with no other point between; all, where none is near.
+/// Of the points that a walker can reach straight, the ones with no other point between; all, if none is near.
 fn nearest_steps(steps: Vec<(WalkNodeId, f64)>) -> Vec<(WalkNodeId, f64)> {
     let near: Vec<_> = steps.iter().copied().filter(|(_, metres)| *metres <= STEP_M).collect();
     if near.is_empty() { steps } else { near }
 }
 
-/// The same path with points between where pieces are long.
+/// The path with points added on long segments.
 fn in_steps(points: &[Point]) -> Vec<Point> {
     let mut all = vec![points[0]];
     for piece in points.windows(2) {
@@ -94,14 +94,14 @@ fn in_steps(points: &[Point]) -> Vec<Point> {
     all
 }
 
-/// How one came to a point.
+/// How the walker came to a point.
 #[derive(Clone, Copy)]
 struct TimedLabel {
     node: WalkNodeId,
     interval: Window,
     at: Time,
     before: Option<usize>,
-    /// The robot that was waited for.
+    /// The robot that the walker waited for.
     after: Option<RobotId>,
 }
 
@@ -119,9 +119,10 @@ struct TimedSearch<'a> {
 }
 
 impl Walkways {
-    /// The way from one point to another that is there earliest, if one sets off at `start` at the earliest, walks at
-    /// `speed_mps`, and is nowhere while it is taken; nothing where there is none, or none was found among the first
-    /// `most` labels. The points where one sets off are free at first, even if a robot stands beside them.
+    /// The path from one point to another with the earliest arrival, for a walker that sets off no earlier than
+    /// `start`, walks at `speed_mps`, and is nowhere while the place is taken; nothing if there is none, or none was
+    /// found among the first `most` labels. The points at the start are free at first, even if a robot stands beside
+    /// them.
     pub fn timed_path(
         &self,
         (from, to): (Point, Point),
@@ -134,7 +135,7 @@ impl Walkways {
         let (labels, best, open) = (Vec::new(), BTreeMap::new(), BinaryHeap::new());
         let mut search =
             TimedSearch { walkways: self, cut, occupied, start, speed_mps, goal: to, labels, best, open };
-        // Whoever stands somewhere may stay there until a robot takes the nearest point.
+        // A person standing somewhere may stay there until a robot takes the nearest point.
         let stays = self
             .nearest(from)
             .and_then(|(n, _)| occupied.of(n, start).map(|(w, _)| w.start()).find(|t| *t > start));
@@ -146,8 +147,8 @@ impl Walkways {
         Some(search.path(from, to, end))
     }
 
-    /// When one is at each of these points, walking from one to the next and waiting where that is free; nothing where
-    /// one would have to be where a robot is.
+    /// The arrival time at each of these points, walking from one to the next and waiting where that is free; nothing
+    /// if the walker would have to be where a robot is.
     pub fn time_along(
         &self,
         points: &[Point],
@@ -187,7 +188,7 @@ impl TimedSearch<'_> {
         Span::from_secs_f64(metres / self.speed_mps)
     }
 
-    /// Goes to a point from one where one is at `at` and may stay until the end of `stays`.
+    /// Goes to a point from another one where the walker arrives at `at` and may stay until the end of `stays`.
     fn reach(&mut self, node: WalkNodeId, metres: f64, (at, stays): (Time, Window), before: Option<usize>) {
         let walk = self.walks(metres);
         let (earliest, latest) =
@@ -209,7 +210,7 @@ impl TimedSearch<'_> {
         }
     }
 
-    /// The label from which the goal is reached first, with the way to it in metres.
+    /// The label from which the goal is reached first, with the remaining length in metres.
     fn run(&mut self, last: &[(WalkNodeId, f64)], most: usize) -> Option<(usize, f64)> {
         let mut found: Option<(Time, usize, f64)> = None;
         let mut expanded = 0;
@@ -342,7 +343,7 @@ mod tests {
             let departs = way.arrivals[i + 1] - Span::from_secs_f64(step / MPS);
             let there = Window::new(way.arrivals[i], departs.max(way.arrivals[i]) + Span(1));
             let hit = occupied.of(n, Time::ZERO).find(|(w, _)| {
-                // Ends are as exact as a microsecond.
+                // Ends are accurate to a microsecond.
                 w.overlaps(there) && w.start() + Span(2) < there.end() && there.start() + Span(2) < w.end()
             });
             assert!(hit.is_none(), "at {n:?} in {there:?}: {hit:?}");

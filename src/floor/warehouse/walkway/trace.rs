@@ -9,9 +9,9 @@ use crate::geometry::{Point, Segment};
 use crate::id::{IdVec, WalkEdgeId, WalkNodeId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Crossings nearer to each other than this are one, metres.
+/// Distance within which crossings count as one, metres.
 const SAME_CROSSING_M: f64 = 0.35;
-/// Middle lines between two cells, both included.
+/// A middle line as cells, including both ends.
 type CellLines = Vec<usize>;
 
 /// The graph of a skeleton; cells in `keep` become nodes.
@@ -40,7 +40,7 @@ pub(super) fn graph(
     (out.nodes, out.edges)
 }
 
-/// Neighbours along the line; a diagonal one only where no cell between leads there too.
+/// Neighbours along the line; a diagonal one only if no cell between leads there too.
 fn neighbours(floor: &Raster, skeleton: &[bool], i: usize) -> Vec<usize> {
     let ring = around(floor.columns, i);
     let is_next = |k: usize| {
@@ -102,8 +102,8 @@ fn length(floor: &Raster, chain: &[usize]) -> f64 {
     chain.windows(2).map(|pair| (floor.middle(pair[1]) - floor.middle(pair[0])).norm()).sum()
 }
 
-/// For each end of a chain the cell that stands for it: crossings close together are one, at the kept cell or
-/// else where there is most room.
+/// For each end of a chain the cell that represents it: crossings close together are one, at the kept cell or else
+/// where there is most room.
 fn crossings(floor: &Raster, chains: &[CellLines], keep: &BTreeSet<usize>) -> BTreeMap<usize, usize> {
     let mut head: BTreeMap<usize, usize> =
         chains.iter().flat_map(|c| [c[0], c[c.len() - 1]]).map(|end| (end, end)).collect();
@@ -172,8 +172,8 @@ impl MiddleGraph<'_> {
     }
 }
 
-/// Appends the corners after `from` up to `to`, such that all points are within `tolerance` of the straight
-/// pieces (Douglas and Peucker 1973).
+/// Appends the corners after `from` up to `to`, such that all points are within `tolerance` of the straight segments
+/// (Douglas and Peucker 1973).
 fn straighten(points: &[Point], from: usize, to: usize, tolerance: f64, corners: &mut Vec<usize>) {
     let (a, b) = (points[from], points[to]);
     let away = |p: Point| {
