@@ -1,52 +1,52 @@
-//! What of the decisions is durable, and whether there may be more of them.
+//! How many of the decisions are durable, and whether more may be made.
 //!
-//! Main types: [`JournalGate`], [`JournalReport`]. Refuses: to count what the journal did not say.
+//! Main types: [`JournalGate`], [`JournalReport`]. Refuses: to count steps that the journal did not report.
 
 use std::collections::VecDeque;
 
-/// So many facts may wait for the journal; then the fleet stands until they are durable.
+/// Number of facts that may wait for the journal; beyond it, the fleet stands until they are durable.
 pub const MOST_PENDING: usize = 20_000;
 
-/// How the journal is.
+/// The state of the journal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum JournalState {
-    /// It takes facts.
+    /// The journal takes facts.
     #[default]
     Writes,
-    /// It has taken long over the last ones.
+    /// The journal has taken long over the last facts.
     Slow,
-    /// It does not take them.
+    /// The journal does not take facts.
     Refuses,
-    /// It is not where it was: nothing that it says counts.
+    /// The journal's file is not where it was: none of its reports count.
     Gone,
 }
 
-/// What the journal says.
+/// A report of the journal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct JournalReport {
-    /// How many steps with facts are durable, of those that this driver has had written.
+    /// Number of durable steps with facts, of those that this driver has had written.
     pub durable: u64,
-    /// How it is.
+    /// State of the journal.
     pub state: JournalState,
 }
 
-/// Between decisions and what leaves because of them.
+/// The gate between decisions and the messages that they cause.
 #[derive(Debug, Default)]
 pub struct JournalGate {
-    /// Steps with facts so far.
+    /// Number of steps with facts so far.
     recorded: u64,
     journal: JournalReport,
-    /// How many facts each step has that is not durable, the oldest first.
+    /// Number of facts of each step that is not durable yet, the oldest first.
     waiting: VecDeque<usize>,
-    /// The sum of these.
+    /// The sum of `waiting`.
     pending: usize,
 }
 
 impl JournalGate {
-    /// Takes in what the journal says.
+    /// Takes a report of the journal.
     ///
     /// # Panics
-    /// If it has more than it was given.
+    /// If the journal reports more steps than it was given.
     pub fn note(&mut self, journal: JournalReport) {
         assert!(journal.durable <= self.recorded, "{journal:?} after {} steps", self.recorded);
         let JournalReport { durable, state } = journal;
@@ -57,7 +57,8 @@ impl JournalGate {
         }
     }
 
-    /// A step has so many facts. What depends on them may leave when so many steps are durable as this says.
+    /// Records the number of facts of a step. Gives the number of steps that must be durable before messages that
+    /// depend on them may leave.
     pub fn record(&mut self, facts: usize) -> u64 {
         if facts > 0 {
             self.recorded += 1;
@@ -67,12 +68,12 @@ impl JournalGate {
         self.recorded
     }
 
-    /// How many steps are durable, if anything may leave at all.
+    /// Number of durable steps, if any messages may leave at all.
     pub fn releases(&self) -> Option<u64> {
         (self.journal.state != JournalState::Gone).then_some(self.journal.durable)
     }
 
-    /// Whether there may be no more facts.
+    /// Whether no more facts may be added.
     pub fn is_full(&self) -> bool {
         self.pending >= MOST_PENDING
     }

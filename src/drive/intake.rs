@@ -1,38 +1,38 @@
-//! Requests on their way into a step, and those that are kept while there is none.
+//! Requests on their way into a step, and requests that are kept while no step is made.
 //!
 //! Main types: [`KeptRequests`], [`Asked`]. Refuses: requests while the journal takes no facts; but stops and releases
-//! by hand are kept in their order, whatever else waits, and so is what links say.
+//! by hand are kept in their order, whatever else waits, and so are reports of links.
 
 use giveway_fleet::{Asker, Input, LinkState, Request, Token};
 use giveway_floor::id::RobotId;
 use std::collections::BTreeMap;
 
-/// How many requests of clients are kept while no step is made. Beyond, they wait where they came in.
+/// Number of clients' requests that are kept while no step is made. Further ones wait where they came in.
 pub const MOST_REQUESTS: usize = 10_000;
 
-/// How many requests of simulated customers, robots and supervisors are kept; the others come to nothing.
+/// Number of requests of simulated customers, robots and supervisors that are kept; further ones are dropped.
 pub const MOST_SIMULATED: usize = 10_000;
 
 /// Requests that no step has had yet.
 #[derive(Debug, Default)]
 pub struct KeptRequests {
     kept: Vec<Input>,
-    /// What the link of a robot said last: it says so once.
+    /// Last report of each robot's link, which reports a state only once.
     links: BTreeMap<RobotId, LinkState>,
 }
 
 impl KeptRequests {
-    /// How many requests of clients there is room for.
+    /// Number of further requests of clients that can be kept.
     pub fn room(&self) -> usize {
         MOST_REQUESTS.saturating_sub(self.kept.iter().filter(|i| token_of_client(i).is_some()).count())
     }
 
-    /// Takes requests of clients in; gives those that are refused.
+    /// Takes requests of clients; gives the tokens of the refused ones.
     pub fn take(&mut self, requests: Vec<(Token, Request)>, refusing: bool) -> Vec<Token> {
         let mut refused = Vec::new();
         for (token, request) in requests {
-            // What is done by hand is neither refused nor overtaken: a release that was refused while the stop before
-            // it waits would leave the floor standing.
+            // Requests by hand are neither refused nor overtaken: a release that was refused while the stop before it
+            // waits would leave the floor standing.
             if refusing && !request.is_by_hand() {
                 refused.push(token);
             } else {
@@ -42,15 +42,15 @@ impl KeptRequests {
         refused
     }
 
-    /// The inputs of a step: what was kept, then these.
+    /// The inputs of a step: the kept ones, then these.
     pub fn with(&mut self, inputs: Vec<Input>) -> Vec<Input> {
         let links =
             std::mem::take(&mut self.links).into_iter().map(|(robot, state)| Input::Link(robot, state));
         links.chain(self.kept.drain(..)).chain(inputs).collect()
     }
 
-    /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Nor are
-    /// simulated requests beyond a limit: those who asked ask again. Requests of clients all are.
+    /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Simulated
+    /// requests beyond a limit are not kept either: the simulation asks again. All requests of clients are kept.
     pub fn keep(&mut self, inputs: Vec<Input>) {
         let mut simulated = self.kept.iter().filter(|i| token_of_client(i).is_none()).count();
         let (before, mut dropped) = (simulated, 0);
@@ -61,7 +61,7 @@ impl KeptRequests {
             }
             let Input::Ask { request, .. } = &input else { continue };
             if token_of_client(&input).is_none() {
-                // Simulated pickers say it until their screen shows that it was heard.
+                // Simulated pickers repeat it until their screen shows that it was heard.
                 if matches!(request, Request::Station(..)) {
                     continue;
                 }
@@ -78,23 +78,23 @@ impl KeptRequests {
         }
     }
 
-    /// Forgets everything; gives the requests of clients that come to nothing.
+    /// Drops everything; gives the tokens of the clients' requests that come to nothing.
     pub fn give_up(&mut self) -> Vec<Token> {
         self.links.clear();
         self.kept.drain(..).filter_map(|input| token_of_client(&input)).collect()
     }
 }
 
-/// What clients asked and links said in a step: where it panicked, nothing of it happened.
+/// Clients' requests and links' reports in a step: if the step panicked, none of them took effect.
 pub struct Asked {
-    /// Tokens of all requests but stops and releases.
+    /// Tokens of all requests except stops and releases.
     pub tokens: Vec<Token>,
-    /// Stops and releases, and what links said: the next step gets them again.
+    /// Stops and releases, and reports of links: the next step gets them again.
     pub again: Vec<Input>,
 }
 
 impl Asked {
-    /// Looks through the inputs of a step.
+    /// Collects them from the inputs of a step.
     pub fn of(inputs: &[Input]) -> Asked {
         let mut asked = Asked { tokens: Vec::new(), again: Vec::new() };
         for input in inputs {

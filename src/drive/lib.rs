@@ -1,11 +1,11 @@
-//! The driver around the core: what is heard, stepped, written down and sent, as one pure machine.
+//! The driver around the core: hearing, deciding, recording and sending as one pure machine.
 //!
 //! Main types: [`Drive`], [`Heard`], [`Sent`], [`Released`], [`LinkOutput`]. The server is sockets, a clock and a
 //! database around it; a simulation is a loop around the same machine, with a journal that may be late, refuse or lose
 //! its last writes, and a process that may die at any point. Stops and guidance leave in the turn that decided them
 //! ([`Sent`]); orders and answers leave when the journal has the facts behind them ([`Released`]). Every call of the
-//! fleet is guarded: one that panics fences off the robot at hand, and the others go on (`rescue.rs`). Refuses: clocks,
-//! sockets, files; decisions about robots; to keep more than the stated limits.
+//! fleet is guarded: if one panics, the robot being dealt with is fenced off, and the others go on (`rescue.rs`).
+//! Refuses: clocks, sockets, files; decisions about robots; to keep more than the stated limits.
 
 mod gate;
 mod intake;
@@ -33,70 +33,70 @@ use outbox::Outbox;
 use rescue::{Mode, Rescue};
 use settle::Settling;
 
-/// What a turn takes in.
+/// The inputs of a turn.
 #[derive(Clone, Debug, Default)]
 pub struct Heard {
-    /// How the journal is.
+    /// The latest report of the journal.
     pub journal: JournalReport,
     /// Requests of clients, in their order.
     pub requests: Vec<(Token, Request)>,
-    /// Reports of robots, observations of people, and what simulated customers ask for.
+    /// Reports of robots, observations of people, and requests of simulated customers.
     pub inputs: Vec<Input>,
 }
 
-/// What a turn sends. All but the facts leave at once; orders and answers come later, as [`Released`].
+/// The output of a turn. Everything but the facts leaves at once; orders and answers come later, as [`Released`].
 #[derive(Clone, Debug, Default)]
 pub struct Sent {
-    /// To be written down, as the next step.
+    /// The next step for the journal.
     pub written: Option<WrittenStep>,
     /// Stops, slow-downs and their ends.
     pub limits: Vec<(RobotId, Command)>,
-    /// What workers are told.
+    /// Guidance for workers.
     pub guidance: Vec<(WorkerId, Guidance)>,
     /// Warnings for people at work cells.
     pub warnings: Vec<CellWarning>,
     /// Trajectories for robot arms.
     pub arms: Vec<ArmOrder>,
-    /// Requests that come to nothing: the journal takes no facts, or the step of which they were part panicked.
+    /// Requests that come to nothing: the journal takes no facts, or the step that they were part of panicked.
     pub refused: Vec<Token>,
     /// Alarms that are raised and cleared.
     pub alarms: Vec<DriveAlarm>,
-    /// What became of a request that all robots stand.
+    /// Result of a request that all robots stand.
     pub settled: Option<Result<(), NotStanding>>,
     /// Whether a step was made.
     pub stepped: bool,
 }
 
-/// The facts of a step, to be written down.
+/// The facts of a step, for the journal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenStep {
-    /// When it was.
+    /// Time of the step.
     pub at: Time,
-    /// What happened, in order; at least one.
+    /// The facts of the step, in order; at least one.
     pub facts: Vec<Fact>,
-    /// Which of them requests caused themselves.
+    /// The facts that requests caused themselves.
     pub caused: Vec<CausedFacts>,
 }
 
-/// What leaves since the facts behind it are durable.
+/// Messages that leave because the facts behind them are durable.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Released {
     /// Orders to robots.
     pub orders: Vec<(RobotId, Command)>,
-    /// Answers.
+    /// Answers to requests.
     pub replies: Vec<Reply>,
 }
 
 /// An alarm about the loop itself.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DriveAlarm {
-    /// It is raised, with these words.
+    /// The alarm is raised, with this text.
     Raise(AlarmKind, Sentence),
-    /// It is cleared.
+    /// The alarm is cleared.
     Clear(AlarmKind),
 }
 
-/// Fleet and journal gate, turned by a loop that has a clock: the server's or the simulation's.
+/// Fleet and journal gate, driven by a loop that has a clock: the server's or the simulation's.
 pub struct Drive {
     fleet: Fleet,
     gate: JournalGate,
@@ -110,7 +110,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// A driver of this fleet, everything of which is durable.
+    /// A driver of this fleet, all of whose facts are durable.
     pub fn new(fleet: Fleet) -> Drive {
         Drive {
             fleet,
@@ -124,7 +124,7 @@ impl Drive {
         }
     }
 
-    /// One control period: takes everything in, decides once, and says what is to be written and sent.
+    /// One control period: takes all inputs, decides once, and gives what must be written and sent.
     pub fn turn(&mut self, now: Time, heard: Heard) -> Sent {
         let mut sent = Sent::default();
         self.gate.note(heard.journal);
@@ -150,7 +150,7 @@ impl Drive {
         sent
     }
 
-    /// What may leave now that the journal has come so far.
+    /// The messages that may leave after this report of the journal.
     pub fn release(&mut self, journal: JournalReport) -> Released {
         self.gate.note(journal);
         match self.gate.releases() {
@@ -164,17 +164,17 @@ impl Drive {
         self.gate.refuses()
     }
 
-    /// How many requests of clients may be handed to the next turn. The others wait where they are.
+    /// Number of clients' requests that may be handed to the next turn. Further ones wait where they are.
     pub fn room(&self) -> usize {
         self.intake.room()
     }
 
-    /// Whether everything that was decided is durable.
+    /// Whether all decisions are durable.
     pub fn is_settled(&self) -> bool {
         self.gate.is_settled()
     }
 
-    /// The fleet as it is.
+    /// The fleet in its present state.
     pub fn fleet(&self) -> &Fleet {
         &self.fleet
     }
@@ -202,7 +202,7 @@ impl Drive {
         sent.stepped = true;
         (sent.limits, sent.guidance) = (step.urgent, step.guidance);
         (sent.warnings, sent.arms) = (step.warnings, step.arms);
-        // What is taken back at once must not be granted by an order that has waited since before.
+        // A revoked grant must not be given again by an order that has waited since before.
         let revoked = sent.limits.iter().filter(|(_, order)| matches!(order, Command::Revoke { .. }));
         revoked.for_each(|(robot, _)| self.outbox.forget_orders(*robot));
         let after = self.gate.record(step.facts.len());
@@ -211,8 +211,8 @@ impl Drive {
         sent.written = (!written.facts.is_empty()).then_some(written);
     }
 
-    /// Tells all robots to stand, until they say that they do. A decision changes what is promised and must be written
-    /// down, so there is none, while robots would finish what was granted and people walk on.
+    /// Tells all robots to stand, until they report a limit of zero. A decision changes promises and must be recorded,
+    /// so none is made; without the halt, robots would finish their grants while people walk on.
     fn halt(&mut self, inputs: Vec<Input>, sent: &mut Sent) {
         if self.halted {
             sent.limits = stops(drivers(&inputs));
@@ -224,7 +224,8 @@ impl Drive {
         self.intake.keep(inputs);
     }
 
-    /// The journal takes facts: the step that follows lifts the limits, which it did not set.
+    /// Ends the halt, since the journal takes facts again: the step that follows lifts the limits, which it did not
+    /// set.
     fn resume(&mut self) {
         if std::mem::take(&mut self.halted) {
             self.alarms.push(DriveAlarm::Clear(AlarmKind::Halt));
@@ -238,7 +239,7 @@ fn stops(robots: impl IntoIterator<Item = RobotId>) -> Vec<(RobotId, Command)> {
     robots.into_iter().map(|robot| (robot, Command::Limit(Some(0.0)))).collect()
 }
 
-/// Robots that do not say that they were told to stand.
+/// Robots that do not report that they were told to stand.
 fn drivers(inputs: &[Input]) -> Vec<RobotId> {
     let driver = |input: &Input| match input {
         Input::Telemetry(t) if t.limit_mps != Some(0.0) => Some(t.robot),

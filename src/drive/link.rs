@@ -1,20 +1,21 @@
-//! What leaves for everything behind a link: orders for robots and arms, what people are told, answers to requests.
+//! The output for everything behind a link: orders for robots and arms, guidance for people, answers to requests.
 //!
-//! Main type: [`LinkOutput`]. What comes back from a link are inputs of the fleet. Refuses: to say how either travels.
+//! Main type: [`LinkOutput`]. Whatever comes back from a link is an input of the fleet. Refuses: to determine how
+//! either travels.
 
 use crate::{Released, Sent};
 use giveway_cell::arm::ArmOrder;
 use giveway_fleet::{CellWarning, Command, Guidance, Reply, Step};
 use giveway_floor::id::{RobotId, WorkerId};
 
-/// What leaves at one moment.
+/// The output at one moment.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LinkOutput<'a> {
     /// Stops, slow-downs and their ends.
     pub limits: &'a [(RobotId, Command)],
     /// Orders to robots.
     pub orders: &'a [(RobotId, Command)],
-    /// What workers are told.
+    /// Guidance for workers.
     pub guidance: &'a [(WorkerId, Guidance)],
     /// Warnings for people at work cells.
     pub warnings: &'a [CellWarning],
@@ -37,7 +38,7 @@ impl<'a> From<&'a Released> for LinkOutput<'a> {
 }
 
 impl<'a> From<&'a Step> for LinkOutput<'a> {
-    /// Everything at once: no journal is waited for.
+    /// Everything at once, without waiting for a journal.
     fn from(step: &'a Step) -> LinkOutput<'a> {
         let Step { urgent: limits, commands: orders, guidance, warnings, arms, replies, .. } = step;
         LinkOutput { limits, orders, guidance, warnings, arms, replies }

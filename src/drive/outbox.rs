@@ -7,24 +7,24 @@ use giveway_fleet::{Command, Reply};
 use giveway_floor::id::RobotId;
 use std::collections::{BTreeSet, VecDeque};
 
-/// What one step wants to send.
+/// The output of one step.
 #[derive(Debug, Default)]
 struct Parcel {
     after: u64,
     what: Released,
 }
 
-/// What waits.
+/// The waiting orders and answers.
 #[derive(Debug, Default)]
 pub struct Outbox {
     parcels: VecDeque<Parcel>,
 }
 
 impl Outbox {
-    /// Takes what may leave once `after` steps are durable.
+    /// Adds orders and answers that may leave once `after` steps are durable.
     pub fn put(&mut self, after: u64, orders: Vec<(RobotId, Command)>, replies: Vec<Reply>) {
         match self.parcels.back_mut() {
-            // Nothing was decided since: an order to the same robot repeats the one that waits.
+            // No fact was recorded since: an order to the same robot replaces the waiting one.
             Some(last) if last.after == after => {
                 last.what.orders.retain(|(robot, _)| !orders.iter().any(|(again, _)| again == robot));
                 last.what.orders.extend(orders);
@@ -35,15 +35,15 @@ impl Outbox {
         }
     }
 
-    /// Drops the orders to a robot that is not trusted any more.
+    /// Drops the orders to a robot that is no longer trusted.
     pub fn forget_orders(&mut self, robot: RobotId) {
         for parcel in &mut self.parcels {
             parcel.what.orders.retain(|(to, _)| *to != robot);
         }
     }
 
-    /// Everything that may leave now that so many steps are durable. Of several orders to a robot the newest says all
-    /// that it is to do; those before it are of a floor as it was, and may be by many seconds.
+    /// Takes everything that may leave now that this many steps are durable. Of several orders to a robot only the
+    /// newest leaves: it is complete, and the earlier ones describe a floor of perhaps many seconds ago.
     pub fn take(&mut self, durable: u64) -> Released {
         let ready = self.parcels.partition_point(|p| p.after <= durable);
         let mut all = Released::default();

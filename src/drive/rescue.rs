@@ -1,9 +1,9 @@
-//! What happens where a call of the fleet panics: the robot that was being dealt with is fenced off, the others go on.
+//! Handles a panic in a call of the fleet: the robot being dealt with is fenced off, and the others go on.
 //!
-//! A step that panicked leaves the fleet half-way, so it is made anew from what is durable; a question leaves it as it
-//! was. Main types: [`Rescue`] (what is remembered of panics), [`Mode`], [`Trap`]. Where no robot can be named, where
-//! it happens too often, or where the journal cannot be folded, all robots are told to stand, and the driver goes on to
-//! say so. Refuses: to go on with a fleet that a panic left half-way, and to lose a stop given by hand in that step.
+//! A step that panicked leaves the fleet half-way, so it is rebuilt from the durable facts; a query leaves it
+//! unchanged. Main types: [`Rescue`] (the state about panics), [`Mode`], [`Trap`]. If no robot can be named, if panics
+//! are too frequent, or if the journal cannot be folded, all robots are told to stand, and the driver goes on to report
+//! that. Refuses: to go on with a fleet that a panic left half-way, and to lose a stop given by hand in that step.
 
 use super::{Drive, DriveAlarm};
 use giveway_fleet::alarm::AlarmKind;
@@ -15,68 +15,68 @@ use std::any::Any;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// So many panics within [`WHILE`] are survived.
+/// Number of panics within [`WHILE`] that are survived.
 const MOST: usize = 3;
 
-/// For so long a panic counts.
+/// Time for which a panic counts.
 const WHILE: Span = Span::from_secs(60);
 
-/// Where the driver calls the fleet.
+/// The places where the driver calls the fleet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GuardedCall {
     /// A step.
     Step,
     /// The view for screens.
     View,
-    /// Another question, as of the API.
+    /// Another query, such as one of the API.
     Query,
-    /// What a pose or a hand calls for before the next step.
+    /// The limits that a pose or a hand calls for before the next step.
     Pose,
-    /// The watchdog, which looks whether laws hold.
+    /// The watchdog, which checks whether laws hold.
     Watch,
 }
 
-/// A panic that is planted, to see what becomes of it: by tests, by the swarm, and by scenarios.
+/// A planted panic, to see its effects: for tests, the swarm, and scenarios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Trap {
-    /// In which call.
+    /// The call in which the panic occurs.
     pub call: GuardedCall,
-    /// The robot that is being dealt with then, if it is one.
+    /// The robot being dealt with then, if any.
     pub robot: Option<RobotId>,
-    /// How many times.
+    /// Number of panics.
     pub times: u32,
 }
 
-/// What a planted panic says.
+/// The text of a planted panic.
 pub const PLANTED: &str = "this panic was planted";
 
-/// How the driver turns.
+/// The mode of the driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// Steps are made.
     Runs,
-    /// A step panicked: there is none until [`Drive::restore`].
+    /// A step panicked: no step is made until [`Drive::restore`].
     Mends,
-    /// There are none any more.
+    /// No step is made any more.
     Broken,
 }
 
-/// What is remembered of panics.
+/// The state about panics.
 #[derive(Debug, Default)]
 pub struct Rescue {
-    /// The step that panicked, until the fleet is made anew: what was at hand, and what the panic said.
+    /// The panic of a step, until the fleet is rebuilt: the robot being dealt with, and the panic's text.
     open: Option<(RobotId, String)>,
     /// A robot to be fenced off before the next step.
     fence: Option<RobotId>,
     recent: VecDeque<Time>,
     broken: bool,
-    /// What the last panic said.
+    /// Text of the last panic.
     said: Option<String>,
     trap: Option<Trap>,
 }
 
 impl Rescue {
-    /// How the driver turns.
+    /// The mode of the driver.
     pub fn mode(&self) -> Mode {
         match (self.broken, &self.open) {
             (true, _) => Mode::Broken,
@@ -85,7 +85,7 @@ impl Rescue {
         }
     }
 
-    /// One more panic; whether it is one too many.
+    /// Counts a panic; gives whether it is one too many.
     fn count(&mut self, now: Time) -> bool {
         self.recent.retain(|at| now - *at < WHILE);
         self.recent.push_back(now);
@@ -104,8 +104,8 @@ fn call<T>(fleet: &mut Fleet, sprung: Option<Trap>, call: impl FnOnce(&mut Fleet
 }
 
 impl Drive {
-    /// Asks the fleet. Nothing where it is being made anew, and where the question panics; then the robot that was
-    /// being dealt with is fenced off before the next step.
+    /// Queries the fleet. Nothing while the fleet is being rebuilt, and if the query panics; then the robot being dealt
+    /// with is fenced off before the next step.
     pub fn ask<T>(&mut self, what: GuardedCall, now: Time, question: impl FnOnce(&Fleet) -> T) -> Option<T> {
         if self.rescue.mode() == Mode::Mends {
             return None;
@@ -127,7 +127,7 @@ impl Drive {
         }
     }
 
-    /// One step, unless it panics: then none follows until [`Drive::restore`].
+    /// Makes one step, unless it panics: then no step follows until [`Drive::restore`].
     pub(super) fn step(&mut self, now: Time, inputs: Vec<Input>) -> Option<Step> {
         let sprung = self.sprung(GuardedCall::Step);
         let said = match call(&mut self.fleet, sprung, |fleet| fleet.step(now, inputs)) {
@@ -145,7 +145,7 @@ impl Drive {
         None
     }
 
-    /// Fences off the robot over which a question panicked.
+    /// Fences off the robot being dealt with when a query panicked.
     pub(super) fn fence_off(&mut self, now: Time) {
         let Some(robot) = self.rescue.fence.take().filter(|_| self.rescue.mode() == Mode::Runs) else {
             return;
@@ -157,19 +157,19 @@ impl Drive {
         }
     }
 
-    /// Whether the fleet is to be made anew from the journal, with [`Drive::restore`]: everything that was decided
-    /// before the panic is durable now.
+    /// Whether the fleet must be rebuilt from the journal, with [`Drive::restore`]: all decisions from before the panic
+    /// are durable now.
     pub fn wants_fold(&self) -> bool {
         self.rescue.mode() == Mode::Mends && self.is_settled()
     }
 
-    /// What a fold of the journal begins with.
+    /// The ledger with which a fold of the journal begins.
     pub fn empty_ledger(&self) -> Ledger {
         self.fleet.ledger().emptied()
     }
 
-    /// Makes the fleet anew, from a ledger and facts behind it or else why there are none, without the robot that was
-    /// being dealt with.
+    /// Rebuilds the fleet from a ledger and the facts behind it, or takes the reason why there are none; the robot that
+    /// was being dealt with is fenced off.
     pub fn restore(&mut self, now: Time, folded: Result<(Ledger, Vec<Fact>), String>) {
         let Some((robot, said)) = self.rescue.open.take() else { return };
         let (ledger, facts) = match folded {
@@ -196,7 +196,7 @@ impl Drive {
         }
     }
 
-    /// No step follows, whatever comes: the last turn of a process that ends while the fleet is half-way.
+    /// Makes no step any more if the fleet is half-way: for the last turn of a process that ends then.
     pub fn stop_deciding(&mut self) {
         self.rescue.broken |= self.rescue.mode() == Mode::Mends;
     }
@@ -211,7 +211,7 @@ impl Drive {
         self.rescue.mode() == Mode::Broken
     }
 
-    /// What the last panic said that was not asked for yet.
+    /// Text of the last panic, if it was not taken yet.
     pub fn take_panic(&mut self) -> Option<String> {
         self.rescue.said.take()
     }
@@ -221,26 +221,26 @@ impl Drive {
         self.rescue.trap = Some(trap);
     }
 
-    /// The trap, if it is planted here.
+    /// The trap, if it is planted in this call.
     fn sprung(&mut self, call: GuardedCall) -> Option<Trap> {
         let trap = self.rescue.trap.as_mut().filter(|trap| trap.call == call && trap.times > 0)?;
         trap.times -= 1;
         Some(*trap)
     }
 
-    /// Nothing is decided any more; what is left is to tell the robots to stand, and to say so.
+    /// Stops all decisions; from now on the driver only tells the robots to stand and reports it.
     fn give_up(&mut self, said: &str, why: &str) {
         tracing::error!("nothing is decided any more, since {why}: {said}");
         self.rescue.said = Some(said.to_owned());
         let text = sentence::fleet_contradicts_itself(said, why);
         self.alarms.push(DriveAlarm::Raise(AlarmKind::Broken, text));
-        // Nothing may look at what a panic left half-way.
+        // Nothing may use the state that a panic left half-way.
         self.fleet = Fleet::resume(self.fleet.ledger().emptied(), self.fleet.settings().clone(), []);
         self.rescue.broken = true;
     }
 }
 
-/// What a panic said.
+/// The text of a panic.
 pub fn panic_text(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it does not say why").to_owned()

@@ -1,8 +1,7 @@
 //! Robots stand on nodes before the driver switches to another map.
 //!
-//! Main type: [`Settling`] (looked at in every turn). Robots drive to the end of what they were granted. If one does
-//! not get there in time, all go on, and the map is not changed. Refuses: to keep robots standing when the request for
-//! it is gone.
+//! Main type: [`Settling`] (checked in every turn). Robots drive to the end of their grants. If one does not get there
+//! in time, all go on, and the map is not changed. Refuses: to keep robots standing when the request for it is gone.
 
 use super::rescue::GuardedCall;
 use super::{Drive, Sent};
@@ -15,15 +14,15 @@ const PATIENCE: Span = Span::from_secs(20);
 /// Robots that do not stand on nodes.
 pub type NotStanding = Vec<Unsettled>;
 
-/// Whether robots are to stand.
+/// Whether robots must stand.
 #[derive(Debug, Default)]
 pub enum Settling {
-    /// They are not.
+    /// Robots need not stand.
     #[default]
     Off,
-    /// They are, until then at the latest.
+    /// Robots must stand, by this time at the latest.
     Waiting(Time),
-    /// They do.
+    /// Robots stand.
     Standing,
 }
 
@@ -35,25 +34,25 @@ impl Drive {
         Some(moving.into_iter().filter(|u| u.stands_off).collect())
     }
 
-    /// All robots are to stand. A later turn says in [`Sent::settled`] that they do, and that what they did is durable;
-    /// or names those that do not, or none where the journal takes no facts, and then all go on.
+    /// Makes all robots stand. A later turn reports in [`Sent::settled`] that they stand and their facts are durable;
+    /// or names the robots that do not, or none if the journal takes no facts, and then all go on.
     pub fn settle_by(&mut self, now: Time) {
         self.settling = Settling::Waiting(now + PATIENCE);
     }
 
-    /// Robots go on.
+    /// Lets robots go on.
     pub fn go_on(&mut self) {
         self.settling = Settling::Off;
     }
 
-    /// Looks at the end of a turn whether robots stand that are to.
+    /// Checks at the end of a turn whether the robots that must stand do so.
     pub(super) fn settle(&mut self, now: Time, sent: &mut Sent) {
         if self.is_broken() {
             return;
         }
         match self.settling {
             Settling::Off => self.fleet.go_on(),
-            // Each time anew: a fleet that was made anew from the journal does not know.
+            // In every turn: a fleet rebuilt from the journal does not know it.
             Settling::Standing => self.fleet.settle(),
             Settling::Waiting(until) => {
                 self.fleet.settle();
@@ -73,8 +72,8 @@ impl Drive {
     }
 }
 
-/// Whether all robots stand, where that is known. At the end a robot that stands on its node is good enough, though it
-/// may have been granted more: somebody is in its way, or it was told to stand.
+/// Whether all robots stand, if that is decided. At the end of the time a robot that stands on its node is good enough,
+/// though it may have further grants: a person is in its way, or it was told to stand.
 fn decide(moving: NotStanding, is_end: bool) -> Option<Result<(), NotStanding>> {
     if moving.is_empty() {
         return Some(Ok(()));

@@ -13,7 +13,7 @@ struct TestLoop {
     drive: Drive,
     now: Time,
     places: Vec<NodeId>,
-    /// Facts of steps that were written down.
+    /// Facts of the steps that were written.
     steps: Vec<Vec<Fact>>,
     state: JournalState,
     limits: Vec<Option<f64>>,
@@ -22,7 +22,7 @@ struct TestLoop {
 }
 
 impl TestLoop {
-    /// With two robots, which have joined.
+    /// A loop with two robots that have joined.
     fn new() -> TestLoop {
         let fleet = Fleet::new(Arc::new(lab()), Settings::default());
         let map = fleet.warehouse().clone();
@@ -78,7 +78,7 @@ impl TestLoop {
         self.places.iter().enumerate().map(report).collect()
     }
 
-    /// One turn and what it releases; robots obey limits at once.
+    /// Makes one turn and takes what it releases; robots obey limits at once.
     fn turn(&mut self, requests: Vec<Request>, more: Vec<Input>) -> (Sent, Released) {
         self.now += Span::from_millis(100);
         let requests = requests.into_iter().map(|request| {
@@ -101,7 +101,7 @@ impl TestLoop {
         (sent, self.drive.release(self.journal()))
     }
 
-    /// Makes the fleet anew where that is wanted.
+    /// Rebuilds the fleet if that is needed.
     fn mend(&mut self) {
         assert!(self.drive.wants_fold());
         let facts = self.steps.concat();
@@ -244,7 +244,7 @@ fn simulated_requests_have_a_limit_and_those_of_clients_beyond_theirs_wait_where
     assert_eq!((intake.take(many, true).len(), intake.room()), (0, 0));
 }
 
-/// A driver whose step cannot be made, and then can: whether it knows what a link said meanwhile.
+/// Whether a driver that first cannot make a step, and then can, knows what a link reported meanwhile.
 fn knows_its_link(hinder: impl FnOnce(&mut TestLoop), help: impl FnOnce(&mut TestLoop)) -> bool {
     let mut test = TestLoop::new();
     let busy = LinkState { refuses: Some("somebody works on it".into()), ..LinkState::default() };
