@@ -1,51 +1,51 @@
-//! What cannot be in a site or scenario file is refused, with what may be there.
+//! Checks of the values in a site or scenario file; an error tells which values are allowed.
 //!
 //! Main type: [`SiteError`]; main function [`check`]. Refuses: to correct a number silently.
 
 /// A site or scenario file that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SiteError {
-    /// It is not JSON of the right shape.
+    /// The file is not JSON of the right shape.
     #[error("line {line}, column {column}: {message}")]
     Syntax {
-        /// Where.
+        /// Line of the fault.
         line: usize,
-        /// Where in the line.
+        /// Column of the fault.
         column: usize,
-        /// What.
+        /// The parser's message.
         message: String,
     },
-    /// A number in it cannot be.
+    /// A number in the file is out of range.
     #[error("`{key}` is {found}, but must be {wanted}")]
     Number {
-        /// Which.
+        /// Key of the number.
         key: String,
-        /// What it is.
+        /// The number in the file.
         found: String,
-        /// What it may be.
+        /// The allowed range, in words.
         wanted: &'static str,
     },
-    /// What it says cannot be.
+    /// A value in the file is impossible.
     #[error("`{key}`: {message}")]
     Wrong {
-        /// Where.
+        /// Key of the value.
         key: &'static str,
-        /// What, and what to do.
+        /// The fault and its remedy.
         message: String,
     },
 }
 
 impl SiteError {
-    /// What the parser says, and where.
+    /// The parser's error with its position.
     pub fn syntax(e: &serde_json::Error) -> SiteError {
         SiteError::Syntax { line: e.line(), column: e.column(), message: e.to_string() }
     }
 }
 
-/// Refuses a number outside of a range; `key` says where it is, and `wanted` what it may be.
+/// Refuses a number outside of a range; `key` is its place in the file, and `wanted` the range in words.
 ///
 /// # Errors
-/// What it is, and what it may be.
+/// The number, and the allowed range.
 pub fn check(
     key: &str,
     found: f64,

@@ -1,6 +1,6 @@
 //! The site file: `{"giveway_site": 1, …}`.
 //!
-//! Main function: [`parse`]. Refuses: unknown keys, and numbers that cannot be.
+//! Main function: [`parse`]. Refuses: unknown keys, and numbers out of range.
 
 use crate::check::{SiteError, check};
 use crate::kinds::{KindFigures, NamedKind, read_kinds};
@@ -45,7 +45,7 @@ struct SiteFile {
     model: Option<String>,
 }
 
-/// Limits that differ from the usual ones.
+/// Limits that differ from the defaults.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct LimitsFile {

@@ -1,7 +1,7 @@
 //! Kinds of robots in files and requests: one for all (`fleet`), or several by name (`kinds`).
 //!
-//! Main types: [`KindFigures`], [`NamedKind`]; main functions: [`read_kinds`], [`read_kind`]. Refuses: kinds of one
-//! name, figures that cannot be.
+//! Main types: [`KindFigures`], [`NamedKind`]; main functions: [`read_kinds`], [`read_kind`]. Refuses: two kinds of one
+//! name, and impossible figures.
 
 use crate::check::{SiteError, check};
 use crate::words;
@@ -13,7 +13,7 @@ use giveway_floor::time::Span;
 use giveway_floor::warehouse::Footprint;
 use serde::Deserialize;
 
-/// The figures of a kind as files give them; what is left out is as usual.
+/// The figures of a kind in files; missing ones take their defaults.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct KindFigures {
@@ -32,7 +32,7 @@ pub struct KindFigures {
     can: CapabilityFigures,
 }
 
-/// [`Capabilities`] as files name them.
+/// [`Capabilities`] in their file form.
 #[derive(Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct CapabilityFigures {
@@ -50,15 +50,15 @@ impl Default for CapabilityFigures {
     }
 }
 
-/// An outline as files name it.
+/// An outline in its file form.
 #[derive(Clone, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum Outline {
-    /// The side of a square along the map's axes.
+    /// The side of a square along the map's axes, metres.
     SquareM(f64),
-    /// The radius of a disc.
+    /// The radius of a disc, metres.
     CircleM(f64),
-    /// Corners, x ahead and y to the left of the point on which the robot turns.
+    /// Corners in metres, x ahead and y to the left of the point on which the robot turns.
     PolygonM(Vec<[f64; 2]>),
 }
 
@@ -75,14 +75,14 @@ enum DriveWord {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NamedKind {
-    /// Its name.
+    /// Name of the kind.
     pub name: String,
-    /// Its figures.
+    /// Figures of the kind.
     #[serde(default)]
     pub fleet: KindFigures,
 }
 
-/// [`Charging`] as files name it.
+/// [`Charging`] in its file form.
 #[derive(Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Battery {
@@ -104,7 +104,7 @@ impl Default for Battery {
 /// The kinds of a file: `fleet` for all robots, or `kinds`.
 ///
 /// # Errors
-/// Both, two kinds of one name, names and figures that cannot be.
+/// If both are given, two kinds have one name, or names or figures are invalid.
 pub fn read_kinds(fleet: Option<KindFigures>, kinds: Vec<NamedKind>) -> Result<Vec<RobotKind>, SiteError> {
     if kinds.is_empty() {
         return Ok(vec![fleet.unwrap_or_default().kind(USUAL_KIND.to_owned(), "fleet")?]);
@@ -128,7 +128,7 @@ pub fn read_kinds(fleet: Option<KindFigures>, kinds: Vec<NamedKind>) -> Result<V
 /// A kind by its name and figures, an object like `fleet`.
 ///
 /// # Errors
-/// Figures that cannot be, by their keys after `kind.`.
+/// The invalid figures, by their keys after `kind.`.
 pub fn read_kind(name: &str, figures: &str) -> Result<RobotKind, SiteError> {
     let figures: KindFigures = serde_json::from_str(figures).map_err(|e| SiteError::syntax(&e))?;
     figures.kind(name.to_owned(), "kind")

@@ -1,9 +1,8 @@
-//! What one floor is: its map, kinds of robots, how it gives way to people, limits and links; and the file that says
-//! so.
+//! The description of one floor: its map, kinds of robots, how it gives way to people, limits and links; and its file.
 //!
 //! Main type: [`Site`]. A scenario is a site with toys: simulated customers, people and faults. Takes text; the caller
-//! reads the file and resolves the paths in it. Refuses: unknown keys, numbers that cannot be, and to hold anything
-//! that changes while the floor works.
+//! reads the file and resolves the paths in it. Refuses: unknown keys, numbers out of range, and to hold anything that
+//! changes while the floor works.
 
 mod check;
 mod file;
@@ -24,10 +23,10 @@ use giveway_people::human::{Method, Model};
 use giveway_people::reach::PickModel;
 use std::sync::Arc;
 
-/// What one floor is.
+/// The description of one floor.
 #[derive(Clone, Debug)]
 pub struct Site {
-    /// Its name.
+    /// Name of the floor.
     pub name: String,
     /// The map file, relative to the site's own file.
     pub map: String,
@@ -39,54 +38,54 @@ pub struct Site {
     pub method: Method,
     /// How our own policy finds out when a worker takes a node.
     pub node_windows: NodeWindows,
-    /// What a second of a worker is worth, in seconds of a robot.
+    /// The cost of a second of a worker, in seconds of a robot.
     pub worker_price: f64,
     /// The control period.
     pub period: Span,
-    /// What the fleet makes of order lines and hands at picking stations.
+    /// How the fleet uses order lines and hands at picking stations.
     pub flow: Flow,
     /// When robot arms move beside pickers.
     pub arm_mode: ArmMode,
-    /// How much of everything there may be.
+    /// Limits on how much of everything the fleet accepts.
     pub limits: FloorLimits,
-    /// What robots are behind.
+    /// The links to the robots.
     pub links: SiteLinks,
-    /// The file with what was learned about people, relative to the site's own file; the built-in figures where absent.
+    /// The file with the learned model of people, relative to the site's own file; the built-in figures if absent.
     pub model: Option<String>,
-    /// What is in it.
+    /// The contents of the model file, or the built-in figures.
     pub learned: Arc<Model>,
-    /// What pickers are expected to do; the built-in figures unless others are read.
+    /// The expected behaviour of pickers; the built-in figures unless others are read.
     pub picks: Arc<PickModel>,
 }
 
-/// What the robots of a site are behind. Robots of others will be behind a link of their own.
+/// The links to the robots of a site. Robots of other makers will have a link of their own.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SiteLinks {
-    /// Simulated robots on this floor; nothing for none.
+    /// Simulated robots on this floor; nothing if there are none.
     pub sim: Option<SimLink>,
 }
 
 /// The link to simulated robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimLink {
-    /// How many robots there are, of the site's kinds in turn.
+    /// Number of robots, of the site's kinds in turn.
     pub robots: usize,
 }
 
 impl SiteLinks {
-    /// A link to so many simulated robots.
+    /// A link to this many simulated robots.
     pub fn simulated(robots: usize) -> SiteLinks {
         SiteLinks { sim: Some(SimLink { robots }) }
     }
 
-    /// The names of its links.
+    /// The names of the links.
     pub fn names(&self) -> Vec<String> {
         self.sim.iter().map(|_| USUAL_LINK.to_owned()).collect()
     }
 }
 
 impl Default for Site {
-    /// A floor with robots of one kind, a map that is still to be named, and no links.
+    /// A floor with robots of one kind, a map without a name yet, and no links.
     fn default() -> Site {
         let Settings { site_kinds: kinds, period, policy, method, node_windows, flow, arm_mode, .. } =
             Settings::default();
@@ -142,16 +141,16 @@ impl Site {
     /// The building for the site's kinds of robots.
     ///
     /// # Errors
-    /// Kinds for which it was not drawn.
+    /// Kinds for which the building was not drawn.
     pub fn fit(&self, warehouse: &Arc<Warehouse>) -> Result<Arc<Warehouse>, Findings> {
         fitted(warehouse, &self.kinds)
     }
 
-    /// Whether the policy and the floor have room for the method by which goals of workers are recognised. `key` names
+    /// Checks that the policy and the floor support the method by which goals of workers are recognised. `key` names
     /// the setting in refusals.
     ///
     /// # Errors
-    /// What has none, and what to do.
+    /// What does not support the method, with a remedy.
     pub fn check_method(&self, warehouse: &Warehouse, key: &'static str) -> Result<(), SiteError> {
         let wrong = |message| Err(SiteError::Wrong { key, message });
         if self.method == Method::Detour {
