@@ -66,11 +66,11 @@ pub struct CellHandsScene<'a> {
 /// Where a hand most likely goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenReach {
-    /// Whether it is the left one.
+    /// Whether the hand is the left one.
     pub is_left: bool,
     /// The slot or tote.
     pub place: ReachPlace,
-    /// Its probability.
+    /// Probability that the hand goes there.
     pub probability: f64,
 }
 

@@ -235,12 +235,12 @@ impl Store {
         self.carried.as_ref()
     }
 
-    /// This store with the number of days for which ended items stay in the lists.
+    /// Sets the number of days for which ended items stay in the lists.
     pub fn keep_days(self, keep: u32) -> Store {
         Store { keep: days(keep), ..self }
     }
 
-    /// This store with the number of days for which lists name people.
+    /// Sets the number of days for which lists name people.
     pub fn keep_people_days(self, keep: u32) -> Store {
         Store { keep_people: days(keep), ..self }
     }

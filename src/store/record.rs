@@ -19,9 +19,9 @@ use serde::{Deserialize, Serialize};
 
 /// The version that this program writes. It reads all versions from `OLDEST` to this one.
 ///
-/// It goes up when a record of an earlier version would be read with another meaning, or when a released program would
-/// misread a new one: from the first release on, each added kind of fact and each added field makes a new version. 1
-/// was the form of databases with a row for each fact, which are refused; 3 has kinds of robots.
+/// The version goes up when a record of an earlier version would be read with another meaning, or when a released
+/// program would misread a new one: from the first release on, each added kind of fact and each added field makes a new
+/// version. 1 was the form of databases with a row for each fact, which are refused; 3 has kinds of robots.
 pub const VERSION: i64 = 3;
 
 /// The oldest version that this program reads.

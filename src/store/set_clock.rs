@@ -1,6 +1,6 @@
-//! Continues a database from now whose last step is in the future, since the clock was wrong.
+//! Continues a database from now if its last step is in the future because the clock was wrong.
 //!
-//! Main function: [`Store::set_clock`]. Refuses: to do so without a backup, and if a promise would be lost.
+//! Main function: [`Store::set_clock`]. Refuses: to do so without a backup, or if a promise would be lost.
 
 use super::carry::{CarriedOver, set_frames_aside};
 use super::check::back_up;

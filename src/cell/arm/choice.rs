@@ -17,8 +17,8 @@ pub enum Choice {
 }
 
 /// Keeps the planned trajectory if its risk is at most `delta` at each step; otherwise takes, among the trajectories of
-/// the set with that risk, the one that is shortest from the present configuration. `risk` gives the probability of an
-/// overlap at these angles at a step, counted from 0.
+/// the set whose risk is at most `delta`, the shortest one from the present configuration. `risk` gives the probability
+/// of an overlap at these angles at a step, counted from 0.
 pub fn choose(
     present: &Joints,
     planned: &[Joints],

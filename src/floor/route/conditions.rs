@@ -43,9 +43,9 @@ pub enum Effect {
 pub struct Condition {
     /// When the condition holds.
     pub window: Window,
-    /// Its effect.
+    /// Effect of the condition.
     pub effect: Effect,
-    /// Its cause.
+    /// Cause of the condition.
     pub cause: Cause,
 }
 
@@ -64,7 +64,8 @@ pub struct Exemption {
 /// Approach that still counts as coming no nearer, metres.
 const NEARER_M: f64 = 0.15;
 
-/// All conditions at one moment. Those of announced closures last from step to step; those of people end with the step.
+/// All conditions at one moment. Conditions of announced closures last from step to step; those of people end with the
+/// step.
 #[derive(Clone, Debug, Default)]
 pub struct Conditions {
     /// Conditions of each node, lasting ones first.

@@ -19,7 +19,7 @@ const PURPOSE: u64 = 41;
 /// At most this many of the newest accepted jobs may be named in `after`.
 const REMEMBERED: usize = 32;
 
-/// An action that somebody will undo later.
+/// A request that will later undo an earlier action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Undo {
     Cancel(JobId),

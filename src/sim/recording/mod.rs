@@ -243,7 +243,7 @@ impl Playback {
     /// Reads a further line.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// What is wrong with the line.
     pub fn read(&mut self, text: &str) -> Result<Played, Broken> {
         self.line += 1;
         let broken = |message: String| Broken { line: self.line, message };

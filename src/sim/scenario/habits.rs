@@ -12,10 +12,10 @@ use serde::Deserialize;
 pub struct Habits {
     /// How often deliveries are wanted, relative to the other kinds.
     pub deliver: f64,
-    /// How often racks are to be put back onto the best storage node.
+    /// How often a rack is ordered back onto the best storage node.
     #[serde(rename = "return")]
     pub put_back: f64,
-    /// How often racks are to be put onto a given storage node.
+    /// How often a rack is ordered onto a given storage node.
     pub relocate: f64,
     /// How often a robot is sent to a charger.
     pub charge: f64,

@@ -95,7 +95,7 @@ impl From<Site> for Scenario {
 pub enum Demand {
     /// No simulated jobs; only those from outside.
     None,
-    /// This many jobs are always waiting; racks by a skewed popularity, stations evenly.
+    /// A constant number of waiting jobs; racks by a skewed popularity, stations evenly.
     Backlog(usize),
     /// Jobs per hour, at random times.
     PerHour(f64),
@@ -254,7 +254,7 @@ impl Scenario {
     /// Whether the policy and the floor support the method by which workers' goals are recognised.
     ///
     /// # Errors
-    /// What does not support it, and what to do.
+    /// What does not support the method, with a remedy.
     pub fn check_method(&self, warehouse: &Warehouse) -> Result<(), SiteError> {
         self.site.check_method(warehouse, "workers.method")
     }

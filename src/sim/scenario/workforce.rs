@@ -26,7 +26,7 @@ pub struct Workers {
     pub deviations: Deviations,
     /// How devices see the workers.
     pub sensor: Sensor,
-    /// The first so many workers are seen by [`Workers::liar_sensor`] instead.
+    /// Number of workers, counted from the first, seen by [`Workers::liar_sensor`] instead.
     pub liars: usize,
     /// How devices see the `liars`; needed if there are any.
     pub liar_sensor: Option<Sensor>,

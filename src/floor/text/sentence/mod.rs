@@ -90,7 +90,7 @@ pub struct SentenceEntry {
     pub code: &'static str,
     /// Names of its places, in the order of the constructor.
     pub places: &'static [&'static str],
-    /// Its English text, with the places in braces.
+    /// English text of the sentence, with the places in braces.
     pub english: &'static str,
 }
 

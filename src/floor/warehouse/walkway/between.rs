@@ -15,7 +15,7 @@ const STEPS: [(i64, i64, u32); 8] =
 /// Floor that is not free for walking: a square with sides along the map's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Square {
-    /// Its centre.
+    /// Centre of the square.
     pub at: Point,
     /// Half a side, metres.
     pub half_m: f64,
