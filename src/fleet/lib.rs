@@ -97,14 +97,14 @@ use traffic::{closures, displaced, failure, fence};
 use waits::replans::Replans;
 use yielding::state::Yielding;
 
-/// The fleet.
+/// The fleet: the whole state of the core.
 #[derive(Clone)]
 pub struct Fleet {
     writer: Writer,
     people: HumanState,
     yielding: Yielding,
     traffic: Traffic,
-    /// Which robots got another way, because of whom or what.
+    /// Which robots were rerouted, and because of what.
     replans: Replans,
     /// How long the last step took to note why robots and people wait, nanoseconds by the stopwatch of the settings.
     waits_ns: u64,
@@ -116,7 +116,7 @@ impl Fleet {
         Fleet::restore(warehouse, settings, [])
     }
 
-    /// The fleet after these facts, with nothing seen yet.
+    /// Restores the fleet from these facts, with nothing seen yet.
     ///
     /// # Panics
     /// If the facts contradict each other.
@@ -129,7 +129,7 @@ impl Fleet {
         Fleet::resume(ledger, settings, facts)
     }
 
-    /// The fleet of a ledger after these facts, with nothing seen yet.
+    /// Resumes the fleet from a ledger and the facts after it, with nothing seen yet.
     ///
     /// # Panics
     /// If the facts contradict the ledger or each other.
@@ -147,13 +147,13 @@ impl Fleet {
         };
         fleet.people.remember(&fleet.writer.ledger().on_floor);
         fleet.writer.cut_off_unlinked();
-        // Before the first step, questions are answered by facts alone: a robot may be paused; none was heard of yet.
+        // Before the first step, queries answer from the facts alone: paused robots are known, poses are not.
         fleet.note_waits(Time::ZERO);
         fleet
     }
 
-    /// Takes over what links said to a fleet that this one takes the place of in the same process: they say once how
-    /// they are, and reports that are still under way to it were overtaken long ago. The links of the site still count.
+    /// Takes over what links said to the fleet that this one replaces in the same process: links say once how they are,
+    /// and reports still under way to the old fleet were overtaken long ago. The links of the site still count.
     pub fn keep_links_of(&mut self, before: &Fleet) {
         self.writer.scene.keep_links_of(&before.writer.scene);
         self.writer.cut_off_unlinked();
@@ -192,16 +192,16 @@ impl Fleet {
         self.writer.take_step()
     }
 
-    /// The kinds of robots have changed, and with them the building: what people and traffic keep for each kind is
-    /// made anew. What the rooms share was, when the fact was recorded.
+    /// Rebuilds what people and traffic keep for each robot kind, after the kinds and with them the building have
+    /// changed. What all parts share was rebuilt when the fact was recorded.
     fn refit(&mut self) {
         let Fleet { writer, people, traffic, .. } = self;
         people.refit(writer.floor());
         traffic.refit(writer.floor());
     }
 
-    /// Who is in the workplaces of stations: two persons where hands are followed, or somebody whose headset is
-    /// silent.
+    /// Notes at which stations buttons are pressed (a person may be there whose headset is silent) and, where hands are
+    /// tracked, at which stations two people are in the workplace.
     fn note_workplaces(&mut self, now: Time) {
         let Fleet { writer, people, .. } = self;
         people.note_used(writer.visits.used(), now);
@@ -210,8 +210,8 @@ impl Fleet {
         }
     }
 
-    /// What restricts robots in this step: closed areas, people, displaced robots, obstructions, ways out and what all
-    /// that cuts off. Each part says what it finds, and here alone it is merged. Also what workers are told.
+    /// Collects what restricts robots in this step: closed areas, people, displaced robots, obstructions, ways out and
+    /// what all of these cut off. Each part says what it finds, and only this function merges it. Also guides workers.
     fn restrict(&mut self, heard: &[WorkerInput], now: Time) {
         let Fleet { writer, people, yielding, traffic, .. } = self;
         closures::renew_areas(writer, now);
@@ -232,7 +232,7 @@ impl Fleet {
         writer.restrictions.merge(found);
     }
 
-    /// What robots do about it at once: they stop, slow down, or forget what they were granted.
+    /// What robots do at once about these restrictions: they stop, slow down, or forget what they were granted.
     fn react(&mut self, now: Time) {
         let Fleet { writer, people, yielding, traffic, .. } = self;
         if let Some((worker, led)) = yielding.follow_procedure(writer, people, traffic, now) {
@@ -248,7 +248,7 @@ impl Fleet {
         yielding.meet(writer, people, now);
     }
 
-    /// Which robot does what.
+    /// Dispatch: which robot does what.
     fn dispatch(&mut self, picked: &[RobotId], now: Time) {
         let Fleet { writer, traffic, .. } = self;
         // No job begins while the building is evacuated.
@@ -259,8 +259,8 @@ impl Fleet {
         traffic.lose_places(writer, &lapsed);
     }
 
-    /// Routes, within the step's budget of expansions: for robots that need one; for those that were interrupted,
-    /// would drive into a closed area, meet people or wait for others, where a better one is found.
+    /// Plans routes within the step's budget of expansions: for robots that need one, and better ones for robots that
+    /// were interrupted, would drive into a closed area, meet people or wait for others.
     fn plan(&mut self, now: Time) {
         let Fleet { writer, people, yielding, traffic, .. } = self;
         if writer.ledger().evacuation.is_some() {
@@ -274,7 +274,7 @@ impl Fleet {
         traffic.improve(writer, now);
     }
 
-    /// The floor as it is now, for questions.
+    /// The floor as it is now, for queries.
     fn floor(&self) -> Floor<'_> {
         self.writer.floor()
     }
@@ -284,7 +284,7 @@ impl Fleet {
         self.writer.warehouse()
     }
 
-    /// What was promised.
+    /// The ledger: what was promised.
     pub fn ledger(&self) -> &Ledger {
         self.writer.ledger()
     }
@@ -304,9 +304,9 @@ impl Fleet {
         std::mem::take(&mut self.traffic.plan_times)
     }
 
-    /// Plans a robot anew together with the few robots in its way, with the whole budget of a step. Whether that
-    /// worked; the facts leave with those of the next step. A step does this for a robot that finds no route. This is
-    /// for measuring how long it takes.
+    /// Replans a robot together with the few robots in its way, with the whole budget of a step, as a step does for a
+    /// robot that finds no route. Returns whether that worked; the facts leave with those of the next step. Used to
+    /// measure how long this takes.
     pub fn plan_jointly(&mut self, robot: RobotId, now: Time) -> bool {
         self.traffic.effort = Effort::of_a_step(self.writer.floor());
         self.traffic.insert(&mut self.writer, robot, now)
@@ -322,18 +322,18 @@ impl Fleet {
         self.writer.restrictions.ways_out.contains(&node)
     }
 
-    /// Whether a robot is on the way of a worker to a door, and so may drive on it to leave it.
+    /// Whether a robot is on the way of a worker to a door, and so may drive on along it to leave it.
     pub fn leaves_way_out(&self, robot: RobotId) -> bool {
         self.floor().is_on(robot, &self.writer.restrictions.ways_out)
     }
 
-    /// A call begins in which this robot is being dealt with, or none yet.
+    /// Notes that a call begins in which this robot is being dealt with, or none yet.
     pub fn note_at_hand(&self, robot: Option<RobotId>) {
         self.writer.at_hand.clear();
         robot.into_iter().for_each(|robot| self.writer.at_hand.note(robot));
     }
 
-    /// The robot that was being dealt with when a call ended in a panic, if it was one.
+    /// The robot that was being dealt with when a call ended in a panic, if there was one.
     pub fn at_hand(&self) -> Option<RobotId> {
         self.writer.at_hand.robot()
     }
@@ -346,13 +346,13 @@ impl Fleet {
         fence::fence(&mut self.writer, robot, now);
     }
 
-    /// From now on robots get no further grants: each drives to the end of what it was granted, and stands on a node
-    /// there. It is no fact: a restart forgets it.
+    /// Gives robots no further grants from now on: each drives to the end of what it was granted, and stands on a node
+    /// there. This is no fact: a restart forgets it.
     pub fn settle(&mut self) {
         self.traffic.settling = true;
     }
 
-    /// Robots get grants again.
+    /// Gives robots grants again, after `settle`.
     pub fn go_on(&mut self) {
         self.traffic.settling = false;
     }

@@ -1,9 +1,9 @@
-//! Areas that are closed for a time, announced ahead. A robot whose route leads in gets another one before the closure
-//! begins, no robot sets off for a place inside, robots that rest inside leave, and closures that are long over are
-//! forgotten. It is the same around a person who has been standing for long.
+//! Areas that are closed for a time, announced in advance. A robot whose route leads into such an area gets another one
+//! before the closure begins, no robot sets off for a place inside, robots that rest inside leave, and closures that
+//! ended long ago are forgotten. The place of a person who has been standing for long is treated alike.
 //!
-//! The search knows every announced closure as a condition, so new routes need nothing from here. Refuses: to stop
-//! robots (grants do), and to take back what was granted.
+//! The search knows every announced closure as a condition, so new routes need nothing from this module. Refuses: to
+//! stop robots (grants do), and to take back what was granted.
 
 use crate::state::closed_areas::storage_behind;
 use crate::state::fact::{AreaFact, Purpose, RobotFact, Task};
@@ -23,14 +23,14 @@ use giveway_floor::time::{Span, Time, Window};
 use giveway_people::aware::{HumanAwarePolicy, Zone};
 use std::collections::BTreeMap;
 
-/// A robot whose route leads into a closed area looks for another one this often at most.
+/// A robot whose route leads into a closed area searches for another one at most this often.
 const AGAIN: Span = Span::from_secs(5);
 
 /// A robot that has stood with its rack for this long, cut off from where the rack is to go, sets it down elsewhere.
 const LONG: Span = Span::from_secs(60);
 
-/// Begins and ends announced closures, and forgets those that have been over for long. What else bound robots in the
-/// step before does not any more.
+/// Begins and ends announced closures, and forgets those that ended long ago. All other restrictions of the previous
+/// step are dropped.
 pub(crate) fn renew_areas(writer: &mut Writer, now: Time) {
     announce_recurring(writer, now);
     for closure in writer.renew_restrictions(now) {
@@ -38,8 +38,8 @@ pub(crate) fn renew_areas(writer: &mut Writer, now: Time) {
     }
 }
 
-/// Announces what recurs: what begins within the hour, and the next occurrence in any case. What recurs no more is
-/// ended when its last occurrence is over.
+/// Announces the occurrences of recurring closures that begin within the hour, and the next one in any case. A
+/// series without further occurrences ends when its last one is over.
 fn announce_recurring(writer: &mut Writer, now: Time) {
     let changes = writer.ledger().index().closure_changes();
     if writer.ledger().recurring.is_empty() || !writer.restrictions.areas.looks_at_recurring(changes, now) {
@@ -75,7 +75,7 @@ fn announce_next(writer: &mut Writer, series: SeriesId, now: Time) {
     }
 }
 
-/// Nodes that are as good as closed because a person has been standing there for long, by what people mean for robots.
+/// Nodes that count as closed because a person has been standing there for long, from the conditions that people cause.
 pub(crate) fn stood_on(floor: Floor<'_>, people: &KindConditions, now: Time) -> ClosedNodes {
     if floor.settings.policy != HumanAwarePolicy::Giveway {
         return ClosedNodes::default();
@@ -94,7 +94,7 @@ pub(crate) fn stood_on(floor: Floor<'_>, people: &KindConditions, now: Time) -> 
 }
 
 impl Traffic {
-    /// Robots whose promised way leads through a closed area, or ends in one, get another one.
+    /// Gives another route to each robot whose promised route leads through a closed area or ends in one.
     pub(crate) fn route_round_closures(&mut self, writer: &mut Writer, now: Time) {
         if writer.restrictions.closing.is_empty() && writer.restrictions.areas.is_empty() {
             return;
@@ -113,8 +113,8 @@ impl Traffic {
         }
     }
 
-    /// Another route for the rest of the task, to another place where that is closed. The old route stands where
-    /// there is none.
+    /// Searches for another route for the rest of the task, to another place if the goal is closed. If there is no
+    /// route, the old one stands.
     fn route_round(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         if gives_job_back(writer, robot, now) {
             return;
@@ -172,8 +172,8 @@ impl Traffic {
     }
 }
 
-/// If a robot would fetch a rack from a closed place, it gives the job back: another robot gets it, later. Returns
-/// whether it did.
+/// If a robot would fetch a rack from a closed place, it gives the job back, and another robot gets the job later.
+/// Returns whether it did.
 fn gives_job_back(writer: &mut Writer, robot: RobotId, now: Time) -> bool {
     let Task::Fetch { job: Some(job), node, .. } = writer.ledger().robots[robot].task else { return false };
     if !writer.floor().job_is_closed_off(&writer.ledger().jobs[&job].request.kind, node) {
@@ -186,7 +186,7 @@ fn gives_job_back(writer: &mut Writer, robot: RobotId, now: Time) -> bool {
 }
 
 impl Floor<'_> {
-    /// Whether something that the robot was promised, but not granted, meets a closure.
+    /// Whether a visit that the robot was promised, but not granted, meets a closure.
     fn leads_into_closed(&self, robot: RobotId, now: Time) -> bool {
         let chain = self.ledger.chain(robot);
         let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
@@ -235,7 +235,7 @@ impl Floor<'_> {
         stands && can_drive && self.carries_in_vain(robot, now).is_some()
     }
 
-    /// Whether a robot on its way to a rack would not be out with it before the way is closed.
+    /// Whether a robot on its way to a rack could not come out with it before the way is closed.
     fn fetches_too_late(&self, robot: RobotId, now: Time) -> bool {
         let record = &self.ledger.robots[robot];
         let (Task::Fetch { node, .. }, Some(lift)) = (record.task, record.stops.first()) else {
@@ -246,7 +246,7 @@ impl Floor<'_> {
         arrive + self.kinematics(robot).lift + COME_OUT > begins
     }
 
-    /// The same task with an end that is not closed, where it may end anywhere.
+    /// The robot's task, with another end if its own end is closed and the task may end elsewhere.
     fn task_elsewhere(&self, robot: RobotId) -> Task {
         let here = self.ledger.node_of(robot);
         match self.ledger.robots[robot].task {
@@ -269,7 +269,7 @@ impl Floor<'_> {
         self.is_closing(store) || self.is_cut_off_from(robot, store)
     }
 
-    /// Whether a robot has a route of which something may be changed.
+    /// Whether a robot has a route of which a part can still be changed.
     fn can_be_routed_round(&self, robot: RobotId, now: Time) -> bool {
         let at_stop = self.ledger.robots[robot].stops.first().map(|s| s.serial);
         let free = at_stop.is_some_and(|s| s >= self.ledger.chain(robot).granted());

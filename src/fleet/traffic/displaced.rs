@@ -2,9 +2,9 @@
 //! hand.
 //!
 //! Main function: `note_place`. A robot that stands on a free node and has forgotten its route is taken up there
-//! ([`RouteFact::Placed`]). Any other one is treated as failed, and the floor where it truly stands is closed, until
-//! its reports fit again. Refuses: to look at robots that drive, except at the first report after a start, and to guess
-//! what became of a rack.
+//! ([`RouteFact::Placed`]). Any other displaced robot is treated as failed, and the floor where it really stands is
+//! closed, until its reports fit again. Refuses: to check robots that drive, except at the first report after a start,
+//! and to guess what became of a rack.
 
 use crate::state::closed_areas::storage_behind;
 use crate::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
@@ -26,12 +26,12 @@ use giveway_floor::warehouse::NodeKind;
 
 /// Squares that overlap by less than this only touch, metres.
 const TOUCH_M: f64 = 1e-3;
-/// A displaced robot that moved by less than this blocks the same nodes, metres.
+/// A displaced robot that moved by less than this still blocks the same nodes, metres.
 const SAME_M: f64 = 0.01;
 
 impl Traffic {
-    /// Compares what a robot reports with what the ledger has: when it stands, and at its first report after a start.
-    /// Whether it was taken up somewhere else.
+    /// Compares a robot's report with the ledger when the robot stands, and at its first report after a start. Returns
+    /// whether the robot was taken up somewhere else.
     pub(super) fn note_place(
         &mut self,
         writer: &mut Writer,
@@ -49,7 +49,7 @@ impl Traffic {
             fits_again(writer, robot);
             return false;
         }
-        // A robot that is fenced off is not taken up, but no robot is to drive into it either.
+        // A fenced-off robot is not taken up, but no robot may drive into it either.
         let is_fenced = writer.ledger().robots[robot].fenced.is_some();
         if by_hand {
             displace(writer, seen, Displacement::ByHand, now);
@@ -67,7 +67,7 @@ impl Traffic {
         false
     }
 
-    /// The node on which a robot can be taken up.
+    /// The node on which a robot can be taken up, or why it cannot be.
     fn place_for(&mut self, writer: &mut Writer, seen: &Telemetry) -> Result<NodeId, Displacement> {
         let robot = seen.robot;
         let (node, off_m) = writer.floor().nearest_node(seen.pose.at);
@@ -89,13 +89,14 @@ impl Traffic {
         if let Some(rack) = stored.filter(|_| seen.rack.is_some()) {
             return Err(Displacement::RackThere(node, rack));
         }
-        // Asked once for each place: the answer stays the same and costs a search.
+        // Searched for once for each place: the answer stays the same and costs a search.
         let no_way = Displacement::NoWayOut(node);
         let asked = writer.scene.displaced(robot).is_some_and(|d| d.why == no_way);
         if asked || !self.has_way_out(writer.floor(), robot, node) { Err(no_way) } else { Ok(node) }
     }
 
-    /// Whether lanes lead on from a node: to where the robot is to bring its rack, else to a place where it may stay.
+    /// Whether lanes lead on from a node: to where the robot is to bring its rack or, without a rack, to a place to
+    /// stay.
     fn has_way_out(&mut self, floor: Floor<'_>, robot: RobotId, node: NodeId) -> bool {
         let stages = match floor.ledger.robots[robot].task {
             task if task.carried().is_some() => floor.stages(robot),
@@ -109,7 +110,7 @@ impl Traffic {
         self.planners.of_mut(kind).free_flow(node, &stages).is_some()
     }
 
-    /// Revokes what robots were granted that were stopped before they drove into a displaced one, so that they can go
+    /// Revokes the grants of robots that were stopped before they drove into a displaced robot, so that they can go
     /// round it and it can be taken up.
     pub(crate) fn revoke_grants_into_displaced(&mut self, writer: &mut Writer, now: Time) {
         if writer.scene.all_displaced().next().is_none() {
@@ -123,8 +124,8 @@ impl Traffic {
         }
     }
 
-    /// Whether robots of which the ledger knows have not been heard of since a start, a short while ago: they may
-    /// stand anywhere, so no robot is told to drive until then.
+    /// Whether robots in the ledger have not been heard of since a start a short while ago: they may stand anywhere, so
+    /// no robot is told to drive until they report or that while has passed.
     pub(crate) fn waits_for_first_reports(&mut self, scene: &Scene, now: Time) -> bool {
         if self.unheard.is_empty() {
             return false;
@@ -144,8 +145,8 @@ fn fits_again(writer: &mut Writer, robot: RobotId) {
     }
 }
 
-/// A robot stands on a free node: it is booked there and nowhere else. It keeps the rack that it carries and
-/// the job for which it does, and gives any other job back. Others that were promised the place lose that way.
+/// Books a robot on the free node where it stands, and nowhere else. The robot keeps the rack that it carries and the
+/// job for that rack, and gives any other job back. Robots that were promised the place lose that route.
 fn take_up(writer: &mut Writer, robot: RobotId, node: NodeId, now: Time) {
     match writer.ledger().robots[robot].task {
         Task::Fetch { job: Some(job), .. } | Task::Move { job: Some(job), .. } => {
@@ -169,7 +170,8 @@ fn take_up(writer: &mut Writer, robot: RobotId, node: NodeId, now: Time) {
     fits_again(writer, robot);
 }
 
-/// A robot cannot go on from where it stands: it counts as failed, and no robot drives into it.
+/// Marks a robot that cannot go on from where it stands as failed, and closes the floor so that no robot drives into
+/// it.
 fn displace(writer: &mut Writer, seen: &Telemetry, why: Displacement, now: Time) {
     let (robot, at) = (seen.robot, seen.pose.at);
     let before = writer.scene.displaced(robot);
@@ -215,7 +217,7 @@ fn closed_around(floor: Floor<'_>, robot: RobotId, displaced: &Displaced, now: T
 }
 
 impl Floor<'_> {
-    /// Whether a robot stands where, and carries what, the ledger has for it.
+    /// Whether a robot stands where the ledger has it, and carries what the ledger says.
     pub fn is_in_place(&self, seen: &Telemetry) -> bool {
         self.keeps_to_its_holds(seen) && self.carries_what_is_promised(seen)
     }
@@ -225,7 +227,7 @@ impl Floor<'_> {
         self.scene.displaced(robot).map(|d| d.why)
     }
 
-    /// The displaced robot into which a robot would drive with what it was granted, or on its way back.
+    /// The displaced robot into which a robot would drive on its grant, or on its way back.
     pub(crate) fn drives_into(self, robot: RobotId, back: Option<Point>) -> Option<RobotId> {
         let others = || self.scene.all_displaced().filter(|(r, d)| *r != robot && d.is_off);
         others().next()?;
@@ -234,14 +236,14 @@ impl Floor<'_> {
         let hits = |other: RobotId, p: Point| {
             let reach = self.footprint(robot).half_m() + self.footprint(other).half_m() - TOUCH_M;
             let nearest = way.windows(2).map(|w| axis_distance_to_segment(p, Segment { a: w[0], b: w[1] }));
-            // One that is too near already may leave.
+            // A robot that is too near already may leave.
             nearest.fold(f64::INFINITY, f64::min) < reach.min(axis_distance(p, at) - SAME_M)
         };
         others().find(|(r, d)| hits(*r, d.at)).map(|(r, _)| r)
     }
 
-    /// Whether the pose is on the nodes that the robot was granted or on the straight lanes between them: from the one
-    /// reached last on to the last one that it knows. A robot that knows no more than it reached takes on the next
+    /// Whether the pose is on the nodes that the robot was granted or on the straight lanes between them, from the node
+    /// that it reached last to the last one that it knows. A robot that knows no more than it reached takes on the next
     /// waypoint if it stands on the way there, so that lane counts, too.
     fn keeps_to_its_holds(&self, seen: &Telemetry) -> bool {
         let chain = self.ledger.chain(seen.robot);
@@ -258,7 +260,7 @@ impl Floor<'_> {
             || self.is_within_corridor(seen.robot, from..to, seen.pose.at)
     }
 
-    /// Whether the rack on a robot is the one that was on it before, or after, what it may be doing just now.
+    /// Whether the rack on a robot is the one that was on it before its present action, or will be after it.
     fn carries_what_is_promised(&self, seen: &Telemetry) -> bool {
         let robot = seen.robot;
         let next = self.ledger.robots[robot].stops.first().filter(|_| self.next_stop_is_granted(robot));
@@ -290,14 +292,14 @@ impl Floor<'_> {
         held.map(|h| (h.holder, h.granted)).collect()
     }
 
-    /// What others keep that were promised a node on which a robot stands now, and those behind them in turn.
+    /// What other robots keep that were promised the node on which a robot now stands, and robots behind them in turn.
     fn truncated_for_place(&self, robot: RobotId, node: NodeId) -> Vec<KeptRoute> {
         let promised = self.holders_of(robot, node).into_iter().map(|(r, _)| r).collect();
         self.kept_by(self.all_behind(promised, Some(robot)))
     }
 
-    /// Nodes on which another robot, of whichever kind, would touch one that stands here, and the ends of lanes on
-    /// which it would.
+    /// Nodes on which another robot, of whichever kind, would touch a robot that stands at `at`, and the ends of lanes
+    /// on which it would.
     fn nodes_blocked_by(&self, robot: RobotId, at: Point) -> Vec<NodeId> {
         let w = self.warehouse();
         let reach = self.footprint(robot).half_m() + w.widest_half_m() - TOUCH_M;

@@ -1,8 +1,8 @@
-//! While the building is evacuated: robots on the ways to the doors leave them, those in their way make room, and all
+//! While the building is evacuated, robots on the ways to the doors leave them, robots in their way make room, and all
 //! others stand.
 //!
-//! Refuses: to send a robot onto a way out that does not stand on one, and to end anything that is promised: jobs and
-//! racks are kept, and robots go on with them when it is over.
+//! Refuses: to send a robot that is not on a way out onto one, and to end anything that is promised: jobs and racks are
+//! kept, and robots go on with them when the evacuation is over.
 
 use crate::state::binding::WAY_M;
 use crate::state::floor::Floor;
@@ -19,8 +19,8 @@ use std::collections::BTreeSet;
 const AGAIN: Span = Span::from_secs(2);
 
 impl Traffic {
-    /// The ways out, which are closed for robots, and the robots that may move to clear them. None where nobody has to
-    /// leave.
+    /// The ways out, which are closed for robots, and the robots that may move to clear them. Both are empty without an
+    /// evacuation.
     pub(crate) fn ways_out(&mut self, floor: Floor<'_>, ways: &[Vec<Point>], now: Time) -> ClearedWays {
         if floor.ledger.evacuation.is_none() {
             self.cleared.clear();
@@ -36,8 +36,9 @@ impl Traffic {
         ClearedWays { closing, clears: floor.clear(&nodes), nodes }
     }
 
-    /// Robots on the ways out leave for the nearest place where they may stay, and so do those for which they wait and
-    /// whose routes lead onto one. One that finds none drives on along its route, which leads off them, too.
+    /// Robots on the ways out leave for the nearest place where they may stay. So do the robots for which they wait, if
+    /// these have no route or their routes lead onto a way out. A robot that finds no place drives on along its route,
+    /// which leads off the ways out, too.
     pub(crate) fn clear_ways_out(&mut self, writer: &mut Writer, now: Time) {
         let kept_off =
             |r: &RobotId| matches!(self.withheld(*r), Some(Withheld::Condition(Cause::Evacuation, _)));
@@ -53,7 +54,7 @@ impl Traffic {
                 continue;
             }
             self.cleared.insert(robot, now);
-            // Away from a worker who comes towards it: on the way past, each would wait for the other.
+            // The robot leaves away from a worker who comes towards it: on the way past, each would wait for the other.
             let worker = match self.withheld(robot) {
                 Some(Withheld::Condition(Cause::Worker(worker), _)) => Some(worker),
                 _ => None,
@@ -62,7 +63,7 @@ impl Traffic {
         }
     }
 
-    /// Robots that stand and were granted a way onto one of the ways out forget it.
+    /// Robots that stand beside the ways out and were granted a way onto one forget it.
     pub(crate) fn revoke_ways_out(&mut self, writer: &mut Writer, now: Time) {
         if writer.ledger().evacuation.is_none() {
             return;
@@ -78,7 +79,7 @@ impl Traffic {
 }
 
 impl Floor<'_> {
-    /// Nodes on which a robot would be in somebody's way. Where robots may stay for ever is beside the ways.
+    /// Nodes on which a robot would be in people's way. Nodes where robots may stay for ever are beside the ways out.
     fn nodes_on(&self, ways: &[Vec<Point>]) -> BTreeSet<NodeId> {
         let w = self.warehouse();
         let mut nodes = BTreeSet::new();
@@ -91,14 +92,14 @@ impl Floor<'_> {
         nodes
     }
 
-    /// Whether a robot drives to a place where it may stay, and does nothing before. One that has come to a stand on
-    /// its way there looks for another.
+    /// Whether a robot drives to a place where it may stay, and does nothing before. A robot that has come to a stand
+    /// on its way there looks for another place.
     fn only_leaves(&self, robot: RobotId) -> bool {
         let chain = self.ledger.chain(robot);
         self.ledger.robots[robot].stops.is_empty() && chain.first() + 1 < chain.granted()
     }
 
-    /// Robots that may move: those on these nodes, and those for which they wait.
+    /// Robots that may move: the robots on these nodes, and the robots for which they wait.
     fn clear(&self, nodes: &BTreeSet<NodeId>) -> BTreeSet<RobotId> {
         let mut ahead: Vec<RobotId> = self.ledger.present().filter(|r| self.is_on(*r, nodes)).collect();
         let mut moving = BTreeSet::new();

@@ -1,6 +1,6 @@
-//! From between two nodes: to which of them had a robot better go on? Both are first steps of a search.
+//! From between two nodes: to which of them should a robot go on? Both are first steps of a search.
 //!
-//! Main function: `better_direction`. Refuses: to turn a robot, and to know whether a person keeps it from either.
+//! Main function: `better_direction`. Refuses: to turn a robot, and to know whether a person blocks either way.
 
 use crate::state::floor::Floor;
 use crate::traffic::plan::{WORTH, reached};
@@ -10,11 +10,11 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::timeline::Visit;
 
 impl Traffic {
-    /// The direction from which a robot that stands between two nodes gets to its next stop earlier; forward if it is
-    /// about as good. Two searches.
+    /// The direction in which a robot that stands between two nodes gets to its next stop earlier; forward if both are
+    /// about as good. Costs two searches.
     pub(crate) fn better_direction(&mut self, floor: Floor<'_>, robot: RobotId, now: Time) -> Direction {
         if floor.ledger.robots[robot].failed {
-            // It can drive again, and the ledger learns that later in this step.
+            // The robot can drive again, but the ledger learns that later in this step.
             return Direction::Forward;
         }
         let stages = floor.stages_left(robot);

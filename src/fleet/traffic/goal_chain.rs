@@ -1,14 +1,14 @@
-//! Robots that keep one another's goals: cycles of them, chains that end in an idle robot, and how both are broken.
+//! Robots that hold one another's goals: deadlock cycles, chains that end in an idle robot, and how both are broken.
 //!
-//! A robot without a route whose goal another robot keeps for ever waits until that one leaves. If that one waits
+//! A robot without a route whose goal another robot holds for ever waits until that robot leaves. If that robot waits
 //! likewise, and so on back to the first, none of them ever gets a route: each stands where it may stay, so nothing
-//! moves it. Then one of them leaves for a free place and keeps its task. Its place is free then, so the robot behind
-//! it gets its route, and the others one after the other; the one that left is the last. Each cycle that is broken ends
-//! with all of its tasks done, so it is not broken for ever. At the end of a chain, the idle robot leaves. If the one
-//! that is to leave has had no free place to go to for [`HOPE`], the newest of the jobs fails, and says why.
+//! moves it. Then one of them leaves for a free place and keeps its task. This frees its place, so the robot behind it
+//! gets its route, and the others follow one by one; the robot that left comes last. Each broken cycle ends with all of
+//! its tasks done, so it is not broken for ever. At the end of a chain, the idle robot leaves. If the robot that is to
+//! leave has had no free place to go to for [`HOPE`], the newest of the jobs fails, and says why.
 //!
-//! Refuses: to move robots if one of them cannot drive or is held by a person, who ends that; and to send a robot away
-//! from its charger that has no charge to drive on.
+//! Refuses: to move robots if one of them cannot drive or has been halted by a person, who also ends that; and to send
+//! away from its charger a robot that has no charge to drive on.
 
 use crate::state::fact::Task;
 use crate::state::floor::Floor;
@@ -21,20 +21,19 @@ use giveway_floor::id::{JobId, NodeId, RobotId};
 use giveway_floor::route::Stage;
 use giveway_floor::time::{Span, Time};
 
-/// A chain that no robot can leave is given up after this: a place may become free meanwhile.
+/// A chain that no robot can leave is given up after this; until then, a place may become free.
 const HOPE: Span = Span::from_secs(30);
 
-/// Robots each of which waits for the place of the next one.
+/// Robots, each of which waits for the place of the next.
 struct GoalChain {
     robots: Vec<RobotId>,
-    /// The one that leaves for a free place: the first, if the last keeps its goal from going on in a cycle; the last,
-    /// if that one is idle.
+    /// The robot that leaves for a free place: in a cycle, the first one; otherwise the last one, which is idle.
     leaver: RobotId,
 }
 
 impl Traffic {
-    /// If a robot waits for places in a cycle, or behind an idle robot, sends one of them to a free place, or gives a
-    /// job up if there has been none for long.
+    /// If a robot waits for places in a cycle, or behind an idle robot, sends one of the robots to a free place, or
+    /// gives up a job if there has been no free place for long.
     pub(super) fn break_goal_chain(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         let floor = writer.floor();
         let Some(GoalChain { robots, leaver }) = floor.goal_chain(robot) else { return };
@@ -55,8 +54,8 @@ impl Traffic {
         }
     }
 
-    /// Sends a robot that rests to a free place, the nearest ones first and others at later tries. Nothing of its task
-    /// is done there. Whether it goes.
+    /// Sends a resting robot to a free place, the nearest ones first and others at later tries. The robot does nothing
+    /// of its task there. Returns whether it goes.
     fn leave_aside(&mut self, writer: &mut Writer, robot: RobotId, now: Time) -> bool {
         let loaded = writer.floor().ledger.rack_on(robot).is_some();
         let tries = self.needs.waiting.get(&robot).map_or(0, |need| need.tries as usize);
@@ -90,13 +89,13 @@ fn give_up_newest(writer: &mut Writer, chain: &[RobotId], now: Time) {
 }
 
 impl Floor<'_> {
-    /// Free places other than its own where a robot that rests could stay, the nearest first.
+    /// Free places, other than its current one, where a resting robot could stay, the nearest first.
     fn places_aside(&self, robot: RobotId) -> Vec<NodeId> {
         let here = self.ledger.node_of(robot);
         self.stays_near(robot, usize::MAX, |n| n != here)
     }
 
-    /// The robot that keeps the place where the rest of a robot's task leads for ever, as things stand.
+    /// The robot that, as things stand, holds for ever a place to which the rest of this robot's task leads.
     pub(crate) fn keeper_of_goal(&self, robot: RobotId) -> Option<RobotId> {
         let stages = self.stages(robot);
         let goals = stages.iter().map(|stage| (stage.goal, stage.loaded));
@@ -104,7 +103,7 @@ impl Floor<'_> {
         lasting.find_map(|(goal, loaded)| self.keeper(robot, goal, loaded))
     }
 
-    /// The other robot that has a hold without end on a place, or on one in conflict with it.
+    /// The other robot that has a hold without end on a place, or on a place in conflict with it.
     fn keeper(&self, robot: RobotId, place: NodeId, loaded: bool) -> Option<RobotId> {
         let timeline = self.ledger.timeline();
         let line = timeline.line(robot, loaded, self.warehouse().node_resource(place));
@@ -112,8 +111,8 @@ impl Floor<'_> {
         held.next().map(|h| h.holder)
     }
 
-    /// The robots that wait for one another's places, from this one on, if their chain ends in itself or in an idle
-    /// robot. A chain that leads into a cycle behind this robot is left to the robots of that cycle.
+    /// The robots that wait for one another's places, from this one on, if their chain ends in this robot or in an idle
+    /// one. A chain that leads into a cycle behind this robot is left to the robots of that cycle.
     fn goal_chain(&self, robot: RobotId) -> Option<GoalChain> {
         let mut robots = vec![robot];
         let mut at = robot;

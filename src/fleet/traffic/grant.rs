@@ -17,21 +17,21 @@ use giveway_floor::time::{Span, Time, Window};
 use giveway_floor::timeline::Visit;
 use giveway_people::aware::SLOW_MPS;
 
-/// How long before its planned time a hold may be granted as it is; a robot that can go on earlier is retimed first.
+/// A visit may be granted this long before its planned entry; a robot that can enter even earlier is retimed first.
 const EARLY: Span = Span::from_secs(4);
-/// People, closed areas and displaced robots are looked for so far ahead where a robot could go on early.
+/// How far ahead a robot that could go on early looks for people, closed areas and displaced robots.
 const PLANNED: Span = Span::from_secs(60);
-/// A node more than needed is granted, metres.
+/// What is granted beyond the distance needed, metres: about one node.
 const NODE_M: f64 = 1.0;
-/// Any way at all is as much as this, metres.
+/// A robot that is granted one node at a time gets the next if it can drive less than this on its grant, metres.
 const LEAST_M: f64 = 1e-3;
-/// Orders are repeated this often until the robot says that it knows them.
+/// Orders are repeated at this interval until the robot confirms that it knows them.
 const REPEAT: Span = Span::from_millis(600);
-/// A robot at a stop is reminded this often of what it is to do there.
+/// A robot at a stop is reminded of its action there at this interval.
 const REMIND: Span = Span::from_secs(3);
 
 impl Traffic {
-    /// Grants to each robot what it needs to keep its speed. Robots that are `interrupted` get no more than they have.
+    /// Grants to each robot what it needs to keep its speed. A robot that is `interrupted` gets no more than it has.
     pub(crate) fn grant(
         &mut self,
         writer: &mut Writer,
@@ -72,7 +72,7 @@ impl Traffic {
     }
 }
 
-/// Grants as many further visits as the robot needs to keep its speed; says why no more, if it needs more.
+/// Grants as many further visits as the robot needs to keep its speed. Returns why there are no more, if it needs more.
 fn extend_grant(
     writer: &mut Writer,
     yielding: &YieldingState,
@@ -99,7 +99,7 @@ fn grant_ahead(writer: &mut Writer, yielding: &YieldingState, robot: RobotId, no
     let enough = if by_nodes { LEAST_M } else { floor.needed_ahead_m(robot, yielding.of(robot).limit_mps()) };
     let mut withheld = None;
     let passes = |serial| yielding.of(robot).passes(serial).is_some();
-    // Whoever passes somebody is granted all of the way until behind that person at once.
+    // A robot that passes a person is granted the whole way past that person at once.
     let most = floor.holds_visits_before(robot);
     while serial < most && (ahead < enough || passes(serial)) {
         withheld = floor.withholds(yielding, robot, serial, now);
@@ -117,8 +117,8 @@ fn grant_ahead(writer: &mut Writer, yielding: &YieldingState, robot: RobotId, no
     withheld
 }
 
-/// Moves forward what a robot holds after its last granted visit, if nothing of what it was to wait for is left.
-/// Whether anything moved.
+/// Moves forward what a robot holds after its last granted visit, if nothing that it was to wait for is left. Returns
+/// whether anything moved.
 fn go_on_early(writer: &mut Writer, robot: RobotId, now: Time) -> bool {
     if writer.floor().waits_as_planned(robot, now) {
         return false;
@@ -136,13 +136,13 @@ fn go_on_early(writer: &mut Writer, robot: RobotId, now: Time) -> bool {
     moves
 }
 
-/// Sends everything granted from where the robot is; to one that is to go back there, nothing beyond.
+/// Sends everything granted from where the robot is; if it is to drive back to that node, nothing beyond.
 fn send(writer: &mut Writer, yielding: &YieldingState, robot: RobotId, goes_back: bool, now: Time) {
     let grant = writer.ledger().timeline().granted(robot).expect("every robot stands somewhere");
     let grant = if goes_back { grant.first_alone() } else { grant };
     let chain = writer.ledger().chain(robot);
     let stops = &writer.ledger().robots[robot].stops;
-    // It leaves the line only where it has a way back.
+    // The robot may leave the line only if its way back onto the line is granted.
     let may_leave = yielding.of(robot).passing.is_some_and(|p| p.what.to < chain.granted());
     let waypoints = (grant.serials())
         .map(|serial| Waypoint {
@@ -166,8 +166,9 @@ fn send(writer: &mut Writer, yielding: &YieldingState, robot: RobotId, goes_back
 }
 
 impl Traffic {
-    /// The worker who alone keeps a robot from being granted more, and how far it can drive already, metres. Nothing if
-    /// it is another reason, or if another robot waits for what this one leaves. Linear in robots.
+    /// The worker who is the only reason why a robot is granted no more, and how far the robot can drive already,
+    /// metres. Nothing if there is another reason, or if another robot waits for what this one leaves. Linear in
+    /// robots.
     pub(crate) fn kept_by_a_worker(&self, floor: Floor<'_>, robot: RobotId) -> Option<(WorkerId, f64)> {
         let Some(Withheld::Condition(Cause::Worker(worker), _)) = self.withheld(robot) else { return None };
         let turn_after = |w: &Option<Withheld>| matches!(w, Some(Withheld::Turn(_, r)) if *r == robot);
@@ -177,8 +178,8 @@ impl Traffic {
 }
 
 impl Floor<'_> {
-    /// Why a visit cannot be granted now, if it cannot. Where a robot waits for its turn and for a person, and is due,
-    /// the person is named.
+    /// Why a visit cannot be granted now, if it cannot. If the robot is due and waits both for its turn and for a
+    /// person, the person is named.
     fn withholds(
         &self,
         yielding: &YieldingState,
@@ -205,8 +206,8 @@ impl Floor<'_> {
         condition.map(|(cause, until)| Withheld::Condition(cause, until)).or(turn)
     }
 
-    /// Whether a robot waits, or comes later, because of a person, a closed area or a displaced robot ahead of it: the
-    /// search knew what would restrict it before it is to be there, and it may be better to wait here.
+    /// Whether a robot waits, or is planned later, because of a person, a closed area or a displaced robot ahead: the
+    /// search knew what would restrict the robot before its planned arrival, and waiting here may be better.
     fn waits_as_planned(&self, robot: RobotId, now: Time) -> bool {
         let conditions = self.conditions(robot);
         if conditions.is_empty() {
@@ -222,7 +223,7 @@ impl Floor<'_> {
         })
     }
 
-    /// Because of what a visit cannot be granted now, and until when, where that is known.
+    /// What keeps a visit from being granted now, and until when, where that is known.
     pub(crate) fn grant_waits_for(
         &self,
         yielding: &YieldingState,
@@ -234,9 +235,9 @@ impl Floor<'_> {
         faced.or_else(|| self.holds_back(robot, visit, now).map(|c| (c.cause, Some(c.window.end()))))
     }
 
-    /// How far ahead a robot under this speed limit must be sure of its way to go on as fast as it may: its braking
-    /// distance, what it drives until the next grant reaches it, and a node more. That is less near people, so that it
-    /// can still decide otherwise there.
+    /// How far ahead a robot under this speed limit must be granted its way so that it can keep its speed, metres: its
+    /// braking distance, what it drives until the next grant arrives, and one more node. Near people the distance is
+    /// shorter, so that the robot can still be replanned there.
     pub fn needed_ahead_m(&self, robot: RobotId, limit_mps: Option<f64>) -> f64 {
         let k = *self.kinematics(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
@@ -245,8 +246,8 @@ impl Floor<'_> {
         k.braking_m(speed, loaded) + speed * latency + NODE_M
     }
 
-    /// Whether a robot is granted one node at a time: one that obeys no limit, and one that cannot be slow, past a
-    /// person for whom it has stood for long.
+    /// Whether a robot is granted one node at a time: a robot that obeys no limit, or one that cannot drive slowly and
+    /// passes a person for whom it has stood for long.
     fn goes_by_nodes(&self, yielding: &YieldingState, robot: RobotId, now: Time) -> bool {
         match self.kind(robot).capabilities.limits {
             ObeyedLimits::Speeds => false,
@@ -255,20 +256,20 @@ impl Floor<'_> {
         }
     }
 
-    /// Whether a robot would have to stand for a person now, and obeys no limit: it gets no more than it has.
+    /// Whether a robot that obeys no limit would have to stop for a person now; such a robot gets no more than it has.
     fn would_not_stop(&self, yielding: &YieldingState, robot: RobotId) -> bool {
         let obeys = self.kind(robot).capabilities.limits;
         obeys == ObeyedLimits::Nothing && yielding.of(robot).limit_mps() == Some(0.0)
     }
 
-    /// The serial number of the first visit that a robot could not hold: its link has room for so many.
+    /// The serial number of the first visit for which the robot's link has no room.
     fn holds_visits_before(&self, robot: RobotId) -> u64 {
         let room = self.scene.link(robot).and_then(|link| link.capacity);
         room.map_or(u64::MAX, |room| self.ledger.chain(robot).first() + 1 + room as u64)
     }
 
-    /// Whether the robot may not know its orders: it does not say that it does, or it has been standing at a stop for a
-    /// while without being done (a robot that was restarted there has forgotten what it was to do).
+    /// Whether the robot may not know its orders: it has not confirmed them, or it has stood at a stop for a while
+    /// without finishing (a robot that was restarted there has forgotten its action).
     fn must_repeat(&self, robot: RobotId, now: Time) -> bool {
         let chain = self.ledger.chain(robot);
         let (here, granted) = (chain.first(), chain.granted());
@@ -278,7 +279,8 @@ impl Floor<'_> {
         (!knows || at_stop) && self.scene.told(robot).is_none_or(|t| now - t >= pause)
     }
 
-    /// Whether a robot may not know that it may leave the line to pass somebody: it stands on the line still.
+    /// Whether a robot may not know yet that it may leave the line to pass a person: this is new, or the robot still
+    /// stands.
     fn must_hear_of_passing(&self, yielding: &YieldingState, robot: RobotId, now: Time) -> bool {
         let granted = self.ledger.chain(robot).granted();
         let passing = yielding.of(robot).passing.filter(|p| p.what.to < granted);
@@ -287,7 +289,7 @@ impl Floor<'_> {
         is_new || passing.is_some() && stands() && self.scene.told(robot).is_none_or(|t| now - t >= REPEAT)
     }
 
-    /// Distance from the visit before to this one, metres.
+    /// Distance from the previous visit to this one, metres.
     fn step_m(&self, robot: RobotId, serial: u64) -> f64 {
         let chain = self.ledger.chain(robot);
         let at = |s: u64| chain.get(s).map(|v| self.warehouse().nodes[v.node].at);
@@ -297,7 +299,7 @@ impl Floor<'_> {
         }
     }
 
-    /// How far the robot can drive already, metres.
+    /// How far the robot can still drive on its grant, metres.
     fn granted_ahead_m(&self, robot: RobotId) -> f64 {
         let chain = self.ledger.chain(robot);
         let whole: f64 = (chain.first() + 1..chain.granted()).map(|s| self.step_m(robot, s)).sum();

@@ -1,5 +1,5 @@
-//! When a robot finds no route, others make way: the few whose holds are in the way of its best route are planned anew
-//! together with it, in the best of a few orders (thesis 4.2.3; carp.md section 2). All get routes, or none is touched.
+//! When a robot finds no route, others make way: the few robots whose holds block its best route are replanned together
+//! with it, in the best of a few orders (thesis 4.2.3; carp.md section 2). All get routes, or none is touched.
 //!
 //! Refuses: to move robots that are broken or silent, and to take back what was granted.
 
@@ -13,14 +13,14 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::timeline::{Overlay, Visit};
 use std::collections::BTreeMap;
 
-/// How many others are moved at most.
+/// How many other robots are moved at most.
 const OTHERS: usize = 3;
 
 /// Routes that were found together.
 struct Inserted {
     /// The sum of all arrivals, microseconds from now.
     cost: i64,
-    /// The same with the asking robot behind the others, where that is possible.
+    /// The same sum with the asking robot planned behind the others, if that order is possible.
     behind: Option<i64>,
     routes: Vec<Found>,
 }
@@ -29,7 +29,7 @@ struct Inserted {
 pub(super) type Found = (RobotId, Route);
 
 impl Traffic {
-    /// Plans `robot` together with the few robots that stand most in its way. Whether that worked.
+    /// Plans `robot` together with the few robots that stand most in its way. Returns whether that worked.
     pub(crate) fn insert(&mut self, writer: &mut Writer, robot: RobotId, now: Time) -> bool {
         if writer.floor().next_stop_is_granted(robot) {
             return false;
@@ -48,7 +48,7 @@ impl Traffic {
         true
     }
 
-    /// Robots that can be planned anew, other than this one.
+    /// Robots other than this one that can be replanned.
     fn movable(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> Vec<RobotId> {
         let fit = |r: &RobotId| !floor.ledger.robots[*r].failed && floor.scene.fit(*r, now).is_some();
         let busy = |r: &RobotId| floor.next_stop_is_granted(*r) || floor.waits_for_room(*r);
@@ -87,8 +87,8 @@ impl Traffic {
         best.map(|(cost, routes)| Inserted { cost, behind, routes })
     }
 
-    /// Those of `movable` whose holds meet the windows of the route that `robot` would have if these made way, most in
-    /// the way first. If no route is left then, the robot that cannot drive and is in the way of one.
+    /// The robots of `movable` whose holds meet the windows of the route that `robot` would have if all of `movable`
+    /// made way, most in the way first. If there is no route even then, the robot that cannot drive and blocks one.
     fn influencers(
         &mut self,
         floor: Floor<'_>,
@@ -113,13 +113,13 @@ impl Traffic {
         }
         let mut ranked: Vec<(usize, RobotId)> = met.into_iter().map(|(r, n)| (n, r)).collect();
         ranked.retain(|(_, r)| movable.contains(r));
-        // A robot that stands in the way for ever meets few windows, but no order helps while it does.
+        // A robot that stands in the way for ever meets few windows, but no order helps while it stands there.
         ranked.sort_by_key(|(n, r)| (!floor.lacks_route(*r), std::cmp::Reverse(*n), *r));
         (ranked.into_iter().take(OTHERS).map(|(_, r)| r).collect(), None)
     }
 
-    /// The first robot that cannot drive on the route that a robot would have if there were none of these, on a
-    /// timeline without those that can.
+    /// The first robot that cannot drive on the route that `robot` would have without such robots. `without` is a
+    /// timeline without the robots that can drive.
     fn broken_in_the_way(
         &mut self,
         floor: Floor<'_>,
@@ -147,7 +147,8 @@ impl Traffic {
         route.visits.iter().find_map(|v| on(v.node))
     }
 
-    /// Plans robots one after the other, each against those before it; gives the sum of their arrivals.
+    /// Plans robots one after another, each against the routes before it; adds the sum of arrivals, microseconds from
+    /// now.
     fn plan_in_order(&mut self, floor: Floor<'_>, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
         let routes = in_turn(floor, order, |timeline, r| self.search_on(floor, timeline, r, now))?;
         let cost = routes.iter().map(|(_, route)| (route.arrival - now).0).sum();
@@ -156,7 +157,7 @@ impl Traffic {
 }
 
 impl InsertionCounts {
-    /// One that worked: the sum of all arrivals, and what it would be with the robot behind the others.
+    /// Counts an insertion that worked: the sum of all arrivals, and that sum with the robot behind the others.
     fn count(&mut self, cost_us: i64, behind_us: Option<i64>) {
         self.succeeded += 1;
         match behind_us {
@@ -167,8 +168,8 @@ impl InsertionCounts {
 }
 
 impl Floor<'_> {
-    /// Those of `movable` that rest where the task of a robot leads. No route avoids them, while one that passes robots
-    /// on the way may be found without moving these.
+    /// The robots of `movable` that rest where the task of `robot` leads. No route avoids them, while a route past
+    /// robots on the way may be found without moving those.
     fn in_the_places_of(&self, robot: RobotId, movable: &[RobotId]) -> Vec<RobotId> {
         let stages = self.stages_left(robot);
         let rests = |r: &RobotId| self.ledger.chain(*r).last().map(|v| v.node);
@@ -177,8 +178,8 @@ impl Floor<'_> {
     }
 }
 
-/// Routes for robots one after the other, each found on a timeline that has those of the robots before it, and nothing
-/// of the others beyond what they were granted. All get one, or none does.
+/// Routes for robots one after another. Each is found on a timeline that has the routes of the robots before it and, of
+/// the others, only what they were granted. All robots get a route, or none does.
 pub(crate) fn in_turn(
     floor: Floor<'_>,
     order: &[RobotId],
@@ -204,7 +205,7 @@ pub(crate) fn commit_all(writer: &mut Writer, routes: Vec<Found>) {
     writer.record(RouteFact::Routed { bookings });
 }
 
-/// The asking robot first, last, and last among the others turned round.
+/// The orders to try: the asking robot first, the asking robot last, and last with the others reversed.
 fn orders(robot: RobotId, others: &[RobotId]) -> Vec<Vec<RobotId>> {
     let first: Vec<RobotId> = std::iter::once(robot).chain(others.iter().copied()).collect();
     let last: Vec<RobotId> = others.iter().copied().chain([robot]).collect();

@@ -1,8 +1,8 @@
 //! Places that robots cannot get to, and chargers that give no current: closed for a while, then tried again.
 //!
-//! A robot that cannot pass what stands on its way to the next node forgets its way, goes back and takes another one,
-//! as others do. So does one that stands for long though it may drive: its scanner sees a person, say, whom the fleet
-//! believes to be elsewhere.
+//! A robot that cannot pass what stands on its way to the next node forgets its grant, goes back and takes another way,
+//! as other robots do. So does a robot that stands for long though it may drive: for example, its scanner sees a person
+//! whom the fleet believes to be elsewhere.
 //! Refuses: to know what stands there, and to keep a place closed for good: operators close areas.
 
 use crate::state::fault::Fault;
@@ -16,18 +16,18 @@ use giveway_floor::time::{Span, Time, Window};
 use giveway_floor::warehouse::NodeKind;
 use std::collections::BTreeMap;
 
-/// A place before which a robot was obstructed is tried again after this.
+/// Robots try a place again this long after a robot reported an obstruction before it.
 const CLOSED: Span = Span::from_secs(120);
-/// One before which a robot stands that does not say why, after this.
+/// Robots try a place again this long after a robot stopped before it without saying why.
 const CLOSED_UNSAID: Span = Span::from_secs(30);
 /// A charger that gave no current is tried again after this.
 const OUT_OF_ORDER: Span = Span::from_secs(600);
 
 impl Traffic {
-    /// Notes where robots are obstructed, or get no current. Those places are closed while they are noted.
+    /// Notes where robots are obstructed or get no current. These places are closed while they are noted.
     pub(crate) fn note_obstructions(&mut self, floor: Floor<'_>, now: Time) -> ClosedNodes {
         for robot in floor.scene.kept_from_driving(now) {
-            // What the robot does not call an obstruction may be a person, who goes on.
+            // An obstacle that the robot does not report may be a person, who goes on.
             let said = floor.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Obstructed));
             let until = now + if said { CLOSED } else { CLOSED_UNSAID };
             if let Some(node) = floor.obstructed_at(robot, now) {
@@ -73,7 +73,7 @@ impl Traffic {
     }
 
     /// Places before which a robot reported an obstacle and from which it has turned away since; with the robot, and
-    /// since when.
+    /// since when the place is closed.
     pub(crate) fn left_obstacles<'a>(
         &'a self,
         floor: Floor<'a>,
@@ -94,7 +94,7 @@ impl Traffic {
     }
 }
 
-/// Notes an obstruction; one that was known stays known since then.
+/// Notes an obstruction; if the place was obstructed before, the time since when stays.
 fn note(known: &mut BTreeMap<NodeId, Obstruction>, node: NodeId, found: Obstruction) {
     let since = known.get(&node).map_or(found.since, |before| before.since);
     known.insert(node, Obstruction { since, ..found });

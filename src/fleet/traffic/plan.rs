@@ -22,24 +22,25 @@ use std::collections::BTreeSet;
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
 const RETRY_MAX: Span = Span::from_millis(6400);
-/// So often is the budget of a search doubled.
+/// How many times at most the budget of a search is doubled.
 const DOUBLINGS: u32 = 4;
-/// After every so many failed searches, others are asked to make way.
+/// Each time this many searches have failed, others are asked to make way.
 const INSERT_EVERY: u32 = 3;
-/// A robot that waits this long for another looks for a better way.
+/// A robot that has waited this long for another searches for a better route.
 const PATIENCE: Span = Span::from_secs(4);
-/// A better way saves at least this.
+/// A better route saves at least this.
 pub(super) const WORTH: Span = Span::from_secs(1);
 
-/// Whether a route can be searched for now: the robot needs one and can drive, and what it was granted is done. It may
-/// be at that already.
+/// Whether a route can be searched for now: the robot needs one and can drive, and its next stop is not granted (it may
+/// be working there already).
 fn is_ready(floor: Floor<'_>, robot: RobotId, now: Time) -> bool {
     let fit = floor.scene.fit(robot, now).is_some() && !floor.next_stop_is_granted(robot);
     fit && floor.lacks_route(robot)
 }
 
 impl Traffic {
-    /// Routes for robots that need one, longest waiting first, and earlier ones for those that may go on earlier.
+    /// Plans routes for robots that need one, longest waiting first, and earlier routes for robots that may go on
+    /// earlier.
     pub(crate) fn plan_needed(&mut self, writer: &mut Writer, now: Time) {
         self.needs.tickets.note(writer.floor(), now);
         self.lapse_places(writer, now);
@@ -74,7 +75,7 @@ impl Traffic {
         self.plan_early(writer, now);
     }
 
-    /// Robots whose stop ended before it was to end look for an earlier route.
+    /// Searches for an earlier route for each robot whose stop ended before its planned end.
     fn plan_early(&mut self, writer: &mut Writer, now: Time) {
         for robot in std::mem::take(&mut self.needs.early) {
             let is_fit = writer.scene.fit(robot, now).is_some() && !writer.ledger().robots[robot].failed;
@@ -84,9 +85,9 @@ impl Traffic {
         }
     }
 
-    /// Robots whose task asks for a route that they do not have, longest waiting first: since they lifted their racks
-    /// if they go to a station. If one of them is sent to a node, so are those that have waited for that node, though
-    /// their pauses are not over: else each newcomer would get there before them.
+    /// Robots whose task asks for a route that they do not have, longest waiting first. A robot bound for a station has
+    /// waited since it lifted its rack. If one of them is sent to a node, so are those that have waited for that node,
+    /// even if their pauses are not over: otherwise each newcomer would get there before them.
     fn in_need(&mut self, floor: Floor<'_>, now: Time) -> Vec<RobotId> {
         for robot in floor.ledger.present() {
             if floor.lacks_route(robot) {
@@ -112,7 +113,7 @@ impl Traffic {
         robots.into_iter().map(|(_, r)| r).collect()
     }
 
-    /// One robot, one search; after some that failed, others make way, or it does.
+    /// Runs one search for one robot; after several failed searches, others make way, or the robot does.
     fn plan_one(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         debug_assert!(writer.floor().lacks_route(robot), "{robot:?} has the route that its task asks for");
         self.choose_storage(writer, robot);
@@ -138,8 +139,8 @@ impl Traffic {
         }
     }
 
-    /// Others make way for a robot that finds no route, or it leaves for a place where it may stay, or a chain of goals
-    /// is broken.
+    /// Makes others give way to a robot that finds no route; else sends it to a place where it may stay, or breaks a
+    /// chain of goals.
     fn ask_for_room(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         if self.insert(writer, robot, now) {
             self.needs.waiting.remove(&robot);
@@ -158,7 +159,7 @@ impl Traffic {
             }
             Task::Store { job, rack, store } if tries > 0 && !writer.floor().is_relocation(job) => {
                 let here = writer.ledger().node_of(robot);
-                // Where it stands already, it can set the rack down whatever is in its way.
+                // A robot that already stands at its storage node can set the rack down, whatever is in its way.
                 if store == here {
                     return;
                 }
@@ -172,13 +173,13 @@ impl Traffic {
         }
     }
 
-    /// Labels that a search for a robot may expand: twice as many after each one that failed. On a crowded floor a
-    /// route may be farther from the first labels than one budget reaches; with the same one, the search would fail for
+    /// Labels that a search for a robot may expand: twice as many after each failed search. On a crowded floor a route
+    /// may be farther from the first labels than one budget reaches; with a constant budget, the search would fail for
     /// ever.
     fn budget(&self, floor: Floor<'_>, robot: RobotId) -> u32 {
         let tries = self.needs.waiting.get(&robot).map_or(0, |need| need.tries);
         let usual = floor.settings.expansions_per_plan;
-        // A step expands no more than it may, and the usual budget of its last search.
+        // A step expands no more than its limit plus the usual budget of its last search.
         (usual << tries.min(DOUBLINGS)).min(self.effort.left().max(usual))
     }
 
@@ -194,7 +195,7 @@ impl Traffic {
         self.search_from(floor, robot, (from, heading), stages, now)
     }
 
-    /// A route from a visit at whose end it heads so, as if it held nothing else.
+    /// A route from a visit, with the robot's heading at its end, as if the robot held nothing else.
     pub(super) fn search_from(
         &mut self,
         floor: Floor<'_>,
@@ -224,9 +225,9 @@ impl Traffic {
         found
     }
 
-    /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
-    /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit between the
-    /// holds of all robots, so the order of all stays free of cycles.
+    /// Robots that wait for others search for a better route now and then. This changes the order on a resource where
+    /// keeping it would pass one robot's delay on to the fleet. The new windows fit between the holds of all robots, so
+    /// the overall order stays free of cycles.
     pub(crate) fn improve(&mut self, writer: &mut Writer, now: Time) {
         for robot in writer.ledger().present() {
             if self.effort.is_spent() {
@@ -255,8 +256,8 @@ impl Traffic {
         }
     }
 
-    /// Looks for a route that avoids people; takes it where it is earlier than what is left of the old one after the
-    /// wait, and than passing them, if the robot can. What is best.
+    /// Searches for a route that avoids people, and takes it if it is earlier than the rest of the old one after the
+    /// wait, and than passing the people, if the robot can do that. Returns the best choice.
     pub(crate) fn reroute(
         &mut self,
         writer: &mut Writer,
@@ -278,7 +279,7 @@ impl Traffic {
         choice
     }
 
-    /// Plans an interrupted robot anew; the old route stands where the new one is no earlier.
+    /// Replans an interrupted robot; the old route stands unless the new one is earlier.
     pub(crate) fn plan_again(&mut self, writer: &mut Writer, robot: RobotId, waited: Span, now: Time) {
         let stop = writer.ledger().robots[robot].stops.first().copied();
         let Some(stop) = stop.filter(|s| s.serial >= writer.ledger().chain(robot).granted()) else { return };
@@ -291,7 +292,7 @@ impl Traffic {
         }
     }
 
-    /// A way to a place aside first, then on with the task. Whether it was found and taken.
+    /// Plans a route to a place aside and then on with the task. Returns whether a route was found and taken.
     pub fn detour(&mut self, writer: &mut Writer, robot: RobotId, place: NodeId, now: Time) -> bool {
         let Some(stages) = writer.floor().stages_aside(robot, place) else { return false };
         let Ok(route) = self.search(writer.floor(), robot, &stages, now) else { return false };
@@ -315,7 +316,8 @@ impl Floor<'_> {
         matches!(kind, Some(JobKind::Relocate { .. }))
     }
 
-    /// When a robot reaches a visit if it waits for all people and closures on its way, and has done so for `waited`.
+    /// When a robot reaches a visit if it waits for all people and closures on its way and has already waited for
+    /// `waited`.
     fn expected(&self, robot: RobotId, serial: u64, waited: Span, now: Time) -> Time {
         let chain = self.ledger.chain(robot);
         let planned = chain.get(serial).map_or(now, |v| v.arrive);
@@ -326,7 +328,7 @@ impl Floor<'_> {
             }
             None => Span::ZERO,
         };
-        // How long people stay is not known; as long again as so far is the best guess.
+        // How long people stay is unknown; the best guess is as long again as so far.
         planned + late.max(waited)
     }
 

@@ -1,4 +1,4 @@
-//! Third phase: what has come true? Places passed are free again, stops done lead to the next task, delays are noted.
+//! Third phase: what has come true? Passed nodes become free, finished stops lead to the next task, delays are noted.
 //!
 //! Refuses: to plan; a robot whose task has no route yet is picked up by the planning phase.
 
@@ -17,17 +17,17 @@ use giveway_floor::time::{Span, Time};
 const LATE: Span = Span::from_millis(1500);
 /// A late robot is expected to need this much longer than now.
 const GUESS: Span = Span::from_millis(1000);
-/// So many jobs that come after one that ended badly fail in one step.
+/// How many jobs at most fail in one step because a job before them was cancelled or failed.
 pub const ORPHANS_PER_STEP: usize = 64;
 
 impl Traffic {
-    /// Takes what robots report into the ledger. Gives the robots that were taken up where they were not expected.
+    /// Takes the robots' reports into the ledger. Returns the robots that were taken up where they were not expected.
     pub(crate) fn note_progress(&mut self, writer: &mut Writer, now: Time) -> Vec<RobotId> {
         let mut taken_up = Vec::new();
         for robot in writer.ledger().present() {
             writer.at_hand.note(robot);
             let Some(seen) = writer.scene.robot(robot).copied() else { continue };
-            // What a robot reports that is fenced off would only meet the same contradiction.
+            // The reports of a fenced-off robot would only meet the same contradiction.
             if writer.ledger().robots[robot].fenced.is_some() {
                 self.note_place(writer, robot, &seen, now);
                 continue;
@@ -50,7 +50,7 @@ impl Traffic {
 fn note_health(writer: &mut Writer, robot: RobotId, failed: bool, now: Time) {
     match (writer.ledger().robots[robot].failed, failed) {
         (false, true) => fail(writer, robot, now),
-        // A displaced robot counts as failed; one that was not heard of since a start may be displaced.
+        // A displaced robot counts as failed; a robot that has not been heard of since a start may be displaced.
         (true, false) if writer.scene.is_placed(robot) => {
             writer.record(RobotFact::Repaired { robot, at: now })
         }
@@ -75,11 +75,11 @@ fn note_passed(writer: &mut Writer, robot: RobotId, reached: u64, now: Time) {
     }
 }
 
-/// The robot says that it did what it was to do at its next stop.
+/// Takes a robot's report that it finished its action at its next stop.
 fn note_stop(writer: &mut Writer, robot: RobotId, acted: Option<u64>, now: Time) {
     let Some(stop) = writer.ledger().robots[robot].stops.first().copied() else { return };
     let there = writer.ledger().chain(robot).first() == stop.serial;
-    // The station says when a pick has ended.
+    // The station, not the robot, says when a pick has ended.
     if !there || acted < Some(stop.serial) || matches!(stop.act, Act::Pick(_)) {
         return;
     }
@@ -101,10 +101,10 @@ fn note_stop(writer: &mut Writer, robot: RobotId, acted: Option<u64>, now: Time)
             arrived(writer, robot, job, goal == stay, stay, purpose, now);
         }
         (Act::Set(_), Task::Deliver { job, .. }) => {
-            // It was to go on to another station, but found no way there before it was back in storage.
+            // The robot was to go on to another station, but found no way there before it was back in storage.
             writer.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
         }
-        // What was granted is done although the job was cancelled meanwhile.
+        // A granted stop is done even if the job was cancelled meanwhile.
         (Act::Pick(_) | Act::Arrive, _) => {}
         (Act::Lift(_) | Act::Set(_), task) => panic!("{robot:?} did {:?} during {task:?}", stop.act),
     }
@@ -144,7 +144,7 @@ fn arrived(
     }
 }
 
-/// Notes that a robot is late, so that every robot that comes after it is planned with what is true.
+/// Notes that a robot is late, so that every robot behind it is planned with its true times.
 fn note_delay(writer: &mut Writer, robot: RobotId, now: Time) {
     let chain = writer.ledger().chain(robot);
     let serial = chain.first();
@@ -159,9 +159,9 @@ fn note_delay(writer: &mut Writer, robot: RobotId, now: Time) {
     writer.record(RouteFact::Retimed { moved: moved.collect() });
 }
 
-/// Jobs that come after one that was cancelled or failed will never start; neither will those that come after
-/// them. They fail a few in each step, so that the journal keeps up. The ledger knows meanwhile which ones have
-/// to, over a restart as well, and none of them starts.
+/// Jobs behind a job that was cancelled or failed never start; neither do the jobs behind them. A few of them fail in
+/// each step, so that the journal keeps up. Meanwhile, and over a restart, the ledger knows which jobs are still to
+/// fail, and none of them starts.
 fn fail_orphans(writer: &mut Writer, now: Time) {
     for _ in 0..ORPHANS_PER_STEP {
         let Some((job, bad)) = writer.ledger().index().waits.next_doomed() else { return };
@@ -171,7 +171,7 @@ fn fail_orphans(writer: &mut Writer, now: Time) {
 }
 
 impl Floor<'_> {
-    /// To bring the rack to the best free storage node.
+    /// The task to bring a rack to the best free storage node.
     fn put_away(&self, robot: RobotId, job: Option<JobId>, rack: RackId) -> Task {
         let here = self.ledger.node_of(robot);
         Task::Store { job, rack, store: self.best_storage(robot, rack, here, 0) }

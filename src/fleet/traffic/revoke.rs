@@ -1,10 +1,10 @@
-//! Grants that are revoked. If a robot and a person wait for one another, neither gets on, since the robot may only go
-//! on to where the person stands. The robot forgets what it was granted, and says where it stands: on a node, or
-//! between two, both of which it holds. From between two it goes on to either, whichever way is open; which one is
-//! chosen anew whenever it stands.
+//! Grants that are revoked. If a robot and a person wait for each other, neither can go on, since the robot may only
+//! drive on to where the person stands. So the robot forgets what it was granted, and reports where it stands: on a
+//! node, or between two nodes, both of which it holds. From between two nodes it goes on to either, whichever way is
+//! open; the direction is chosen anew whenever the robot stands.
 //!
-//! What was granted stays granted until the robot says that it has forgotten it, whatever is lost or late on the way.
-//! Refuses: to revoke what a robot was granted that drives, or works.
+//! What was granted stays granted until the robot confirms that it has forgotten it, whatever is lost or late on the
+//! way. Refuses: to revoke the grant of a robot that drives or works.
 
 use crate::state::fact::RouteFact;
 use crate::state::floor::Floor;
@@ -16,16 +16,16 @@ use giveway_floor::geometry::Point;
 use giveway_floor::id::RobotId;
 use giveway_floor::time::{Span, Time};
 
-/// A robot that does not say that it has forgotten its grant is told again after this.
+/// A robot that does not confirm a revocation is told again after this.
 const AGAIN: Span = Span::from_secs(1);
-/// A robot between two nodes that has not got on for this long tries the other direction.
+/// A robot between two nodes that has made no progress for this long tries the other direction.
 const PATIENCE: Span = Span::from_secs(10);
-/// A robot nearer to a node than this is on it, metres. Less than [`crate::OFF_ROUTE_M`], since what it gives
-/// back is free for others at once.
+/// A robot nearer to a node than this counts as on it, metres. Less than [`crate::OFF_ROUTE_M`], since what the robot
+/// gives back is free for others at once.
 const ON_NODE_M: f64 = 0.02;
 
 impl Traffic {
-    /// Revokes what a robot was granted beyond where it stands, if it can forget it and was not told just now.
+    /// Revokes a robot's grant beyond where it stands, if the robot can forget it and was not told to just now.
     pub(crate) fn revoke_grant(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         let told = self.revoked.get(&robot).is_some_and(|t| now - *t < AGAIN);
         if told || !writer.floor().can_be_revoked(robot, now) {
@@ -38,13 +38,13 @@ impl Traffic {
         writer.tell_at_once(robot, Command::Revoke { reached, number });
     }
 
-    /// Forgets revocations that are so old that the robot has left, or will not.
+    /// Forgets revocations so old that the robot has left by now, or will not leave.
     pub(crate) fn forget_revoked(&mut self, now: Time) {
         self.revoked.retain(|_, told| now - *told < STANDS);
     }
 
-    /// Robots between two nodes that have forgotten what they were granted, and those that have driven back from there
-    /// and hold the second node still: they are told to give it up.
+    /// Robots between two nodes that have forgotten what they were granted. A robot that has driven back from there and
+    /// still holds the second node is told to give it up.
     pub(crate) fn halfway(&mut self, writer: &mut Writer, now: Time) -> Vec<RobotId> {
         let back: Vec<RobotId> = self.directions.keys().copied().collect();
         for robot in back {
@@ -55,7 +55,7 @@ impl Traffic {
                 if came_back {
                     self.revoke_grant(writer, robot, now);
                 } else if let Some((Direction::Back, _)) = self.directions.remove(&robot) {
-                    // It stands where it came from: the best route from there is looked for at once.
+                    // The robot stands where it came from: the best route from there is searched for at once.
                     self.needs.early.insert(robot);
                 }
             }
@@ -68,14 +68,14 @@ impl Traffic {
             .collect()
     }
 
-    /// Where a robot goes on to from between two nodes, if that was chosen.
+    /// Where a robot between two nodes goes on to, if that was chosen.
     pub fn direction(&self, robot: RobotId) -> Option<Direction> {
         self.directions.get(&robot).map(|(direction, _)| *direction)
     }
 
-    /// The directions in which a robot may go on that stands between two nodes, the better first: as it goes already,
-    /// unless it has not got on like that for a while; else forward, unless something stood there. One that cannot
-    /// drive back has only one.
+    /// The directions in which a robot that stands between two nodes may go on, the better first: its present
+    /// direction, unless it has made no progress that way for a while; if it has none, forward, unless something stood
+    /// there. A robot that cannot drive back has only one.
     pub fn directions_for(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> &'static [Direction] {
         const FORWARD_FIRST: &[Direction] = &[Direction::Forward, Direction::Back];
         const BACK_FIRST: &[Direction] = &[Direction::Back, Direction::Forward];
@@ -90,14 +90,14 @@ impl Traffic {
         }
     }
 
-    /// Whether something stood before the next node of a robot lately.
+    /// Whether something recently stood before the next node of a robot.
     pub(crate) fn is_obstructed_ahead(&self, floor: Floor<'_>, robot: RobotId) -> bool {
         let chain = floor.ledger.chain(robot);
         let ahead = chain.get(chain.first() + 1);
         ahead.is_some_and(|v| self.obstructions.contains_key(&v.node))
     }
 
-    /// Has a robot go on in a direction from between two nodes, or stay there.
+    /// Lets a robot between two nodes go on in a direction, or stay there.
     pub(crate) fn direct(&mut self, robot: RobotId, direction: Option<Direction>, now: Time) {
         match direction {
             None => drop(self.directions.remove(&robot)),
@@ -106,15 +106,15 @@ impl Traffic {
         }
     }
 
-    /// Where a robot drives to that drives back, until it is there.
+    /// The place to which a robot that drives back is on its way, until it is there.
     pub(crate) fn drives_back_to(&self, floor: Floor<'_>, robot: RobotId) -> Option<Point> {
         let back = self.direction(robot) == Some(Direction::Back) && floor.is_halfway(robot);
         back.then(|| floor.last_reached(robot))
     }
 }
 
-/// The robot says how often it forgot what it was granted. It keeps the node that it reached last, and the one that it
-/// is on its way to if it stands between the two.
+/// Takes a robot's count of forgotten grants. The robot keeps the node that it reached last and, if it stands between
+/// two nodes, the one that it is on its way to.
 pub(crate) fn note_revoked(writer: &mut Writer, robot: RobotId, seen: &Telemetry, now: Time) {
     let chain = writer.ledger().chain(robot);
     let told = seen.recalls > writer.ledger().robots[robot].recalls;
@@ -139,7 +139,7 @@ impl Floor<'_> {
         obeys && more && !works && self.scene.fit(robot, now).is_some_and(stands)
     }
 
-    /// Whether a robot is between two nodes, and has forgotten what it was granted: it may go on to either.
+    /// Whether a robot is between two nodes and has forgotten what it was granted, so that it may go on to either.
     pub fn is_halfway(&self, robot: RobotId) -> bool {
         let (chain, record) = (self.ledger.chain(robot), &self.ledger.robots[robot]);
         chain.first() + 2 == chain.granted()
@@ -149,7 +149,7 @@ impl Floor<'_> {
             })
     }
 
-    /// Where a robot drives from `at` to the end of what it was granted, or `back`.
+    /// The points along which a robot drives from `at` to the end of what it was granted, or to `back`.
     pub(crate) fn granted_way(self, robot: RobotId, at: Point, back: Option<Point>) -> Vec<Point> {
         if let Some(back) = back {
             return vec![at, back];

@@ -1,4 +1,4 @@
-//! The legs that tasks ask for, and routes over them as they are booked.
+//! The legs that tasks ask for, and the bookings of routes over them.
 //!
 //! Refuses: to search for routes.
 
@@ -36,7 +36,7 @@ impl Floor<'_> {
     fn pick_span(&self, station: NodeId, job: JobId) -> Span {
         let NodeKind::Station(id) = self.warehouse().nodes[station].kind else { return Span::ZERO };
         let (usual, record) = (self.warehouse().stations[id].pick, self.ledger.jobs.get(&job));
-        // At a work cell the lines say how long it takes.
+        // At a work cell, the order lines say how long the pick takes.
         let counts = self.settings.flow.counts_lines();
         if let Some(stay) = record.filter(|_| counts).and_then(|record| self.visits.stay(record)) {
             return stay;
@@ -59,7 +59,7 @@ impl Floor<'_> {
         }
     }
 
-    /// The last granted visit, and the heading with which the robot arrives there.
+    /// The last granted visit, and the robot's heading on arrival there.
     pub(crate) fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
         let chain = self.ledger.chain(robot);
         let serial = chain.granted() - 1;
@@ -71,15 +71,15 @@ impl Floor<'_> {
         (visit, heading)
     }
 
-    /// A route as it is booked. A stop where the robot stands already becomes a visit of its own.
+    /// The booking of a route. A stop where the robot already stands becomes a visit of its own.
     pub(crate) fn booking(&self, robot: RobotId, route: Route) -> Booking {
         let keep = self.ledger.chain(robot).granted() - 1;
         let Route { mut kept, mut visits, stops, .. } = route;
         let here = stops.contains(&0);
         if here {
             let again = Visit { lane: None, arrive: kept.arrive.max(kept.enter), ..kept.clone() };
-            // It leaves the first visit for the second, which is at the same place: a delay of the one must not
-            // hold it longer than the other.
+            // The robot leaves the first visit for the second at the same place: a delay of the first must not hold the
+            // place longer than the second does.
             let gone = (again.arrive + self.ledger.timeline().clearance()).min(again.leave);
             (kept.depart, kept.leave, kept.stay) = (again.arrive, gone, Span::ZERO);
             visits.insert(0, again);
@@ -108,8 +108,8 @@ impl Floor<'_> {
         stages
     }
 
-    /// The legs to a place aside, and of the rest of the task from there; a robot that waits for room comes back to
-    /// where it stands. Nothing where that is no place to stay.
+    /// The legs to a place aside and then of the rest of the task. A robot that waits for room comes back to where it
+    /// stands; nothing if it may not stay there.
     pub(crate) fn stages_aside(&self, robot: RobotId, place: NodeId) -> Option<SmallVec<[Stage; 4]>> {
         let rest = self.stages_after(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
@@ -126,12 +126,12 @@ impl Floor<'_> {
         Some(stages)
     }
 
-    /// What a robot goes on with after it stepped aside.
+    /// The legs that a robot goes on with after it has stepped aside.
     fn stages_after(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
         if self.waits_for_room(robot) { SmallVec::new() } else { self.stages_left(robot) }
     }
 
-    /// A route over `stages_aside` with the stops of the task alone: nothing is done at the place.
+    /// A route over `stages_aside` with only the stops of the task: the robot does nothing at the place aside.
     pub(crate) fn with_own_stops(&self, robot: RobotId, mut route: Route) -> Route {
         route.stops.remove(0);
         if self.stages_after(robot).is_empty() {

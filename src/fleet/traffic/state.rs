@@ -1,4 +1,4 @@
-//! What traffic keeps in mind from step to step: planners, robots in need of a route, why grants were withheld.
+//! What traffic remembers from step to step: planners, robots in need of a route, why grants were withheld.
 //!
 //! Main types: [`Traffic`], [`Withheld`]. Refuses: to decide.
 
@@ -10,46 +10,46 @@ use giveway_floor::route::Cause;
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Why the visit after the last granted one was not granted. The grant itself finds it, and *why waiting* reads it.
+/// Why the visit after the last granted one was not granted. Granting finds the reason; *why waiting* reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Withheld {
-    /// Nothing is reserved beyond.
+    /// Nothing is reserved beyond the last granted visit.
     End,
-    /// What the robot is to do at a stop is not done.
+    /// The robot has not finished its action at a stop.
     Stop,
-    /// It is not due for a while.
+    /// The visit is not due for a while.
     Early,
-    /// This holder comes first on this resource.
+    /// This robot comes first on this resource.
     Turn(ResourceId, RobotId),
-    /// It would meet a person, a closed area or a robot that stands there; until then, where that is known.
+    /// The robot would meet a person, a closed area or a robot that stands there; until this time, where it is known.
     Condition(Cause, Option<Time>),
 }
 
-/// Where a robot goes on to from between two nodes.
+/// Where a robot between two nodes goes on to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// To the node that it was on its way to.
+    /// To the node that the robot was on its way to.
     Forward,
-    /// To the node that it reached last.
+    /// To the node that the robot reached last.
     Back,
 }
 
 /// A place that is closed for a while because a robot could not get there.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstruction {
-    /// The robot that was kept from it last.
+    /// The robot that most recently could not get there.
     pub by: RobotId,
-    /// The node that this robot had come from.
+    /// The node from which that robot came.
     pub from: NodeId,
-    /// Since when it is closed.
+    /// When the place was closed.
     pub since: Time,
-    /// When it is tried again.
+    /// When robots may try the place again.
     pub until: Time,
     /// Whether the robot reported that something stands there.
     pub said: bool,
 }
 
-/// How often routes were searched for. It promises nothing to any robot, so it is no fact and starts at zero with the
+/// Counts of route searches. They promise nothing to any robot, so they are no facts and start at zero with the
 /// process.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SearchCounts {
@@ -59,22 +59,22 @@ pub struct SearchCounts {
     pub insertions: InsertionCounts,
 }
 
-/// How often a route was inserted by moving others, and what that gained.
+/// How often a route was inserted by moving other robots, and what that gained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Hash)]
 pub struct InsertionCounts {
     /// How often a robot without a route looked for one that moves others.
     pub tried: u64,
-    /// How often all of them got routes.
+    /// How often all the robots concerned got routes.
     pub succeeded: u64,
-    /// How often, of these, the robot would have had no route behind the others, so that nothing compares.
+    /// How many of these insertions had no route for the robot behind the others, so that there is nothing to compare.
     pub only_way: u64,
-    /// By how much all of them arrive earlier, in sum, than if the others had been planned first and the robot last;
-    /// over the insertions for which that was possible.
+    /// How much earlier all robots together arrive than if the others had been planned first and the robot last; summed
+    /// over the insertions for which that order was possible.
     pub gain: Span,
 }
 
-/// Labels that the searches of one step have expanded, and how many they may together. A search that has begun may use
-/// all that one search may.
+/// Labels that the searches of one step have expanded, and the limit for the whole step. A search that has begun may
+/// use up the budget of one search.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
     pub spent: u32,
@@ -82,7 +82,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// None of what one step may take is spent.
+    /// The effort at the start of a step: nothing is spent.
     pub fn of_a_step(floor: Floor<'_>) -> Effort {
         Effort { spent: 0, whole: floor.settings.expansions_per_step }
     }
@@ -91,7 +91,7 @@ impl Effort {
         self.spent += labels;
     }
 
-    /// What is left of it.
+    /// How many labels may still be expanded.
     pub fn left(self) -> u32 {
         self.whole.saturating_sub(self.spent)
     }
@@ -101,7 +101,7 @@ impl Effort {
     }
 }
 
-/// What is kept in mind about routes and grants, from step to step. Lost at a restart, and found out again.
+/// What traffic remembers about routes and grants from step to step. A restart loses it, and it is found out again.
 #[derive(Clone, Debug)]
 pub struct Traffic {
     pub planners: Planners,
@@ -110,17 +110,17 @@ pub struct Traffic {
     pub effort: Effort,
     /// How long searches took, nanoseconds by the stopwatch of the settings.
     pub plan_times: Vec<u64>,
-    /// Robots of which the ledger knew at the start and that have not been heard of since.
+    /// Robots in the ledger at the start that have not been heard of since.
     pub(super) unheard: BTreeSet<RobotId>,
-    /// When the first step was, if there were such robots.
+    /// Time of the first step, if the ledger had robots at the start.
     pub(super) started: Option<Time>,
-    /// Why the last step granted each robot no more than it did.
+    /// Why the last step granted each robot no more.
     pub(super) withheld: IdVec<RobotId, Option<Withheld>>,
-    /// When each robot's grant was revoked last, while it stood.
+    /// When each robot's grant was last revoked while the robot stood.
     pub(super) revoked: BTreeMap<RobotId, Time>,
-    /// Where robots go on to that stand between two nodes, and since when.
+    /// The direction in which each robot that stands between two nodes goes on, and since when.
     pub(super) directions: BTreeMap<RobotId, (Direction, Time)>,
-    /// Places that robots could not get to and chargers without current, as robots reported.
+    /// Places that robots could not get to, and chargers that gave no current.
     pub(super) obstructions: BTreeMap<NodeId, Obstruction>,
     /// When each robot last looked for a route round a closed area.
     pub(super) looked_round: BTreeMap<RobotId, Time>,
@@ -128,12 +128,12 @@ pub struct Traffic {
     pub(super) cut_off: BTreeMap<RobotId, Time>,
     /// When each robot on a way out last looked for a place to leave for, while the building is evacuated.
     pub(super) cleared: BTreeMap<RobotId, Time>,
-    /// Whether robots drive to the end of what they were granted, and no further.
+    /// Whether robots drive to the end of what they were granted and get no further grants.
     pub settling: bool,
 }
 
 impl Traffic {
-    /// Nothing is planned, and no robot was heard of.
+    /// The state before any planning, when no robot has been heard of.
     pub fn new(floor: Floor<'_>) -> Traffic {
         Traffic {
             planners: Planners::new(floor.warehouse(), floor.ledger.kinds()),
@@ -154,7 +154,7 @@ impl Traffic {
         }
     }
 
-    /// The kinds of robots have changed: there is a planner for each.
+    /// Makes a planner for each robot kind, after the kinds have changed.
     pub(crate) fn refit(&mut self, floor: Floor<'_>) {
         self.planners = Planners::new(floor.warehouse(), floor.ledger.kinds());
     }
@@ -164,7 +164,7 @@ impl Traffic {
         self.looked_round.get(&robot).copied()
     }
 
-    /// Why the last step granted a robot no more than it did, if there was a reason.
+    /// Why the last step granted a robot no more, if there was a reason.
     pub fn withheld(&self, robot: RobotId) -> Option<Withheld> {
         self.withheld.get(robot).copied().flatten()
     }

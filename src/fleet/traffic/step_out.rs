@@ -1,10 +1,10 @@
 //! Out first, then on: a robot that finds no route for its task, and stands where it may not stay for ever, drives to
-//! the nearest place where it may. It plans its task from there.
+//! the nearest place where it may stay. It plans its task from there.
 //!
-//! Robots that stand close together after a repair each need a route that ends where others stand. The outermost can
-//! always leave to some place to stay; then the next one can. In an aisle where a person stands at one end, the
-//! outermost robot wants to come in: then all on the way out leave together, the one farthest out first. Refuses: to
-//! send a robot off that stands where it may stay, unless it is in the way of another.
+//! Robots that stand close together after a repair each need a route that ends where others stand. The outermost robot
+//! can always leave for a place to stay; then the next one can. In an aisle where a person stands at one end, the
+//! outermost robot wants to come in: then all robots on the way out leave together, the farthest out first. Refuses: to
+//! send off a robot that stands where it may stay, unless it is in the way of another.
 
 use crate::state::floor::Floor;
 use crate::state::writer::Writer;
@@ -16,16 +16,16 @@ use giveway_floor::id::{NodeId, RobotId, WorkerId};
 use giveway_floor::route::Stage;
 use giveway_floor::time::{Span, Time};
 
-/// A place to leave for is so much farther from a worker, metres: a node.
+/// How much farther from a worker a place to leave for has to be, metres: one node.
 const FARTHER_M: f64 = 1.0;
-/// So many others are moved at most.
+/// How many other robots are moved at most.
 const TOGETHER: usize = 8;
-/// Robots that are to come onto the way within this time are in the way.
+/// Robots that are to enter the way out within this time are in the way.
 const SOON: Span = Span::from_secs(30);
 
 impl Traffic {
-    /// Sends a robot out of the way to a place where it may stay, if there is a route to one. Whether it goes. If a
-    /// worker waits for it, only to places that lie farther from that worker than it does.
+    /// Sends a robot out of the way to a place where it may stay, if there is a route to one. If a worker waits for the
+    /// robot, only places count that are farther from the worker than the robot is. Returns whether the robot goes.
     pub(crate) fn step_out(
         &mut self,
         writer: &mut Writer,
@@ -46,7 +46,7 @@ impl Traffic {
         for place in floor.stays_near(robot, PLACES, leads_off) {
             let stage = Stage { loaded, ..Stage::to_stay(place) };
             if let Ok(mut route) = self.search(writer.floor(), robot, &[stage], now) {
-                // Nothing of its task is done there.
+                // The robot does nothing of its task there.
                 route.stops.clear();
                 commit(writer, robot, route);
                 return true;
@@ -55,8 +55,8 @@ impl Traffic {
         self.step_out_together(writer, robot, now)
     }
 
-    /// Sends a robot out of the way together with those that stand on its way out, these first. Those that are to come
-    /// onto it soon come after it.
+    /// Sends a robot out of the way together with the robots that stand on its way out, which go first. Robots that are
+    /// to enter that way soon go after it.
     fn step_out_together(&mut self, writer: &mut Writer, robot: RobotId, now: Time) -> bool {
         let (mut leave, come) = self.in_the_way_out(writer.floor(), robot, now);
         if leave.is_empty() && come.is_empty() || leave.len() + come.len() > TOGETHER {
@@ -73,8 +73,8 @@ impl Traffic {
         true
     }
 
-    /// Robots on the way out that a robot would have if all that can move were not there: those that stand on it, or
-    /// are granted some of it, the farthest along it first; and those that are to come onto it soon.
+    /// Robots on the way out that a robot would have if no movable robot were there: the robots that stand on it or are
+    /// granted a part of it, the farthest along it first; and the robots that are to enter it soon.
     fn in_the_way_out(
         &mut self,
         floor: Floor<'_>,

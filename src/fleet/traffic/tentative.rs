@@ -9,11 +9,12 @@ use giveway_floor::route::{Exemption, Route, RouteQuery, Stage};
 use giveway_floor::time::{Time, Window};
 use giveway_floor::timeline::Overlay;
 
-/// So many places to stay are tried at a time, the nearest ones first.
+/// How many places to stay are tried at a time, nearest first.
 pub(super) const PLACES: usize = 4;
 
 impl Traffic {
-    /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
+    /// A route for the rest of a robot's task on another timeline, from which the robot's own holds have been
+    /// withdrawn.
     pub(super) fn search_on(
         &mut self,
         floor: Floor<'_>,
@@ -23,14 +24,15 @@ impl Traffic {
     ) -> Option<Route> {
         let stages = floor.stages_left(robot);
         if stages.is_empty() {
-            // It has nothing to do, and rests in the way: any other place to stay will do.
+            // The robot has nothing to do and rests in the way: any other place to stay will do.
             return self.way_out_on(floor, timeline, robot, now);
         }
         let exemptions = floor.exemptions(robot, now);
         self.search_stages_on(floor, timeline, robot, &stages, &exemptions, now)
     }
 
-    /// A way to a place aside first, then on with the task, on some other timeline likewise.
+    /// A route to a place aside and then on with the task, on a timeline from which the robot's own holds are
+    /// withdrawn.
     pub(crate) fn way_aside(
         &mut self,
         floor: Floor<'_>,
@@ -68,7 +70,7 @@ impl Traffic {
         found
     }
 
-    /// A route to the nearest place where a robot may stay, other than where it rests, on some other timeline.
+    /// A route on another timeline to the nearest place where a robot may stay, other than where it rests.
     pub(super) fn way_out_on(
         &mut self,
         floor: Floor<'_>,
@@ -91,7 +93,7 @@ impl Traffic {
 }
 
 impl Floor<'_> {
-    /// Whether no other robot stays on a node in the end, on some other timeline.
+    /// Whether no other robot stays on a node for ever, on another timeline.
     fn has_room_for_ever(&self, timeline: &Overlay<'_>, robot: RobotId, node: NodeId) -> bool {
         let loaded = self.ledger.rack_on(robot).is_some();
         let line = self.ledger.timeline().line(robot, loaded, self.warehouse().node_resource(node));

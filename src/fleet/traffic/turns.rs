@@ -2,8 +2,8 @@
 //!
 //! A place is promised with a route. If the robot cannot drive on, and nothing says that it will, the place would stay
 //! empty while others wait with their racks. So the promise lapses: the robot keeps its rack, its task and its ticket,
-//! and gets a place again as soon as those that could go have gone. Refuses: to take a place from a robot that stands
-//! in the queue or drives.
+//! and gets a place again as soon as the robots that could go have gone. Refuses: to take a place from a robot that
+//! stands in the queue or drives.
 
 use crate::state::floor::Floor;
 use crate::state::writer::Writer;
@@ -14,11 +14,11 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::NodeKind;
 use std::collections::BTreeSet;
 
-/// A robot that waits for its turn where it may not stay looks for a place to stay this often.
+/// A robot that waits for its turn where it may not stay searches for a place to stay this often.
 const AGAIN: Span = Span::from_millis(6400);
 
 impl Traffic {
-    /// Takes their places at stations from robots that have no prospect of getting there, if others wait for one.
+    /// Takes places at stations from robots that have no prospect of getting there, if other robots wait for one.
     pub(super) fn lapse_places(&mut self, writer: &mut Writer, now: Time) {
         let floor = writer.floor();
         let waits =
@@ -38,13 +38,13 @@ impl Traffic {
         }
     }
 
-    /// These robots have lost the places that they were promised at chargers, and with them the routes there.
+    /// Takes from these robots the places that they were promised at chargers, and the routes there.
     pub(crate) fn lose_places(&mut self, writer: &mut Writer, robots: &[RobotId]) {
         robots.iter().for_each(|robot| truncate_behind(writer, *robot));
     }
 
-    /// A robot whose turn has not come, and that has lost its route, leaves for a place to stay if it stands where it
-    /// may not: it waits where it is in the way of no other.
+    /// If a robot whose turn has not come has lost its route and stands where it may not stay, it leaves for a place to
+    /// stay, where it is in no robot's way.
     pub(super) fn wait_for_turn(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
         need.fails_since = None;
@@ -58,7 +58,7 @@ impl Traffic {
 }
 
 impl Floor<'_> {
-    /// Whether a robot has a route to its station, has not come into the queue, and has no prospect of getting there.
+    /// Whether a robot has a route to its station, is not in the queue yet, and has no prospect of getting there.
     fn lies_still_outside(&self, robot: RobotId, now: Time) -> bool {
         let has_route = !self.ledger.robots[robot].failed && !self.lacks_route(robot);
         has_route && !self.is_in_line(robot) && self.has_no_prospect(robot, now)

@@ -1,7 +1,7 @@
-//! When visits at work cells are expected to end, kept true on the timelines: robots behind are planned with it.
+//! Keeps the expected ends of visits at work cells true on the timelines, so that robots behind are planned with them.
 //!
-//! Main function: `retime_visits`. An expectation that has moved a little moves nothing, so a long visit is a few
-//! changes and no stream of them. Refuses: to end a visit.
+//! Main function: `retime_visits`. If an expectation has moved only a little, nothing is retimed, so a long visit
+//! causes a few changes, not a stream of them. Refuses: to end a visit.
 
 use crate::state::fact::{Moved, RouteFact, Task};
 use crate::state::floor::Floor;
@@ -10,11 +10,11 @@ use giveway_cell::Remaining;
 use giveway_floor::id::{JobId, RobotId};
 use giveway_floor::time::{Span, Time};
 
-/// An expected end that is off by less than this, or by less than this share of what is left, stays as it is.
+/// An expected end stays as it is if it is off by less than this, or by less than this share of the time left.
 const OFF: Span = Span::from_millis(1000);
 const OFF_SHARE: f64 = 0.25;
 
-/// Moves the planned end of each visit to where it is expected, later or earlier.
+/// Moves the planned end of each visit at a work cell to its expected end, later or earlier.
 pub(crate) fn retime_visits(writer: &mut Writer, now: Time) {
     if !writer.settings.flow.counts_lines() {
         return;
@@ -33,7 +33,7 @@ pub(crate) fn retime_visits(writer: &mut Writer, now: Time) {
     writer.at_hand.clear();
 }
 
-/// The job with lines for which a robot is picked from.
+/// The job with order lines for which a robot is being picked from, if any.
 fn visit_of(floor: Floor<'_>, robot: RobotId) -> Option<JobId> {
     let Task::Deliver { job, .. } = floor.ledger.robots[robot].task else { return None };
     let has_lines = floor.ledger.jobs.get(&job)?.lines_now().is_some();
