@@ -1,8 +1,8 @@
-//! What a robot is at, in one word, and since when. Lists, feeds, metrics and pages all show this word, and none of
-//! them finds it out again.
+//! What a robot is doing, in one word, and since when. Lists, feeds, metrics and pages all show this word, and none of
+//! them works it out again.
 //!
-//! Main types: [`Activity`], `Activities`; [`Doing`] says what a robot does for its task, whether it gets on or not.
-//! Refuses: to be an input of any decision.
+//! Main types: [`Activity`], `Activities`; [`Doing`] says what a robot does for its task, whether it makes progress or
+//! not. Refuses: to be an input of any decision.
 
 use crate::state::fact::{Act, Purpose, Task};
 use crate::state::floor::Floor;
@@ -11,40 +11,40 @@ use giveway_floor::id::{IdVec, RobotId};
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
 
-/// What a robot is at.
+/// What a robot is doing, in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Activity {
-    /// Nothing to do.
+    /// The robot has nothing to do.
     Idle,
-    /// On its way.
+    /// The robot is on its way.
     Driving,
-    /// Standing on its way: another robot, a person, a closed area, a full queue, or the time of its reservation keeps
-    /// it, or it has no route yet.
+    /// The robot stands on its way: another robot, a person, a closed area, a full queue, or the time of its
+    /// reservation holds it up, or it has no route yet.
     Waiting,
-    /// Lifting a rack or setting it down.
+    /// The robot lifts a rack or sets it down.
     Handling,
-    /// In the queue of a station.
+    /// The robot is in the queue of a station.
     Queueing,
-    /// At a station.
+    /// The robot is at a station.
     Picking,
-    /// At a charger.
+    /// The robot is at a charger.
     Charging,
-    /// Paused by hand.
+    /// The robot was paused by hand.
     Paused,
-    /// Stopped with the whole fleet, or because the building is evacuated.
+    /// The robot was stopped with the whole fleet, or because the building is evacuated.
     Stopped,
-    /// Resting in maintenance, or before it leaves the floor.
+    /// The robot rests in maintenance, or before it leaves the floor.
     OutOfService,
-    /// It cannot drive until a person helps.
+    /// The robot cannot drive until a person helps.
     Failed,
-    /// It has not been heard of.
+    /// The robot has not been heard of.
     Offline,
-    /// It has left the floor.
+    /// The robot has left the floor.
     Gone,
 }
 
 impl Activity {
-    /// All of them.
+    /// All activities.
     pub const ALL: [Activity; 13] = [
         Activity::Idle,
         Activity::Driving,
@@ -61,7 +61,7 @@ impl Activity {
         Activity::Gone,
     ];
 
-    /// The word for it on the wire.
+    /// The activity's word on the wire.
     pub fn word(self) -> &'static str {
         match self {
             Activity::Idle => "idle",
@@ -85,7 +85,7 @@ impl Activity {
         Activity::ALL.into_iter().find(|activity| activity.word() == word)
     }
 
-    /// What a reason alone says that concerns the robot itself, whatever it was doing.
+    /// The activity that a reason alone implies, if it concerns the robot itself, whatever the robot was doing.
     fn of_reason(why: Why) -> Option<Activity> {
         match why {
             Why::Gone => Some(Activity::Gone),
@@ -117,17 +117,17 @@ pub enum Doing {
     Idle,
     /// Driving to a rack.
     ToRack,
-    /// Lifting it.
+    /// Lifting the rack.
     Lifting,
-    /// Carrying it to a station.
+    /// Carrying the rack to a station.
     Carrying,
     /// In the queue of a station.
     Queueing,
-    /// At the station.
+    /// At the station, under the rack that is picked from.
     Picking,
     /// Bringing the rack to storage.
     Returning,
-    /// Setting it down.
+    /// Setting the rack down.
     SettingDown,
     /// Driving to a charger.
     ToCharger,
@@ -135,20 +135,20 @@ pub enum Doing {
     Charging,
     /// Driving to a parking place.
     Parking,
-    /// Driving where it was sent.
+    /// Driving to where a customer sent it.
     Going,
     /// Broken.
     Failed,
 }
 
-/// What each robot is at, and since when.
+/// What each robot is doing, and since when.
 #[derive(Clone, Debug, Default)]
 pub struct Activities {
     robots: IdVec<RobotId, Option<(Activity, Time)>>,
 }
 
 impl Activities {
-    /// Notes what a robot is at now.
+    /// Notes what a robot is doing now.
     pub fn note(&mut self, robot: RobotId, activity: Activity, now: Time) {
         while self.robots.get(robot).is_none() {
             self.robots.push(None);
@@ -157,7 +157,7 @@ impl Activities {
         self.robots[robot] = Some(before.unwrap_or((activity, now)));
     }
 
-    /// What a robot was at in the last step, and since when; nothing before the first step.
+    /// What a robot was doing in the last step, and since when; nothing before the first step.
     pub fn of(&self, robot: RobotId) -> Option<(Activity, Time)> {
         self.robots.get(robot).copied().flatten()
     }
@@ -187,7 +187,7 @@ impl Floor<'_> {
         }
     }
 
-    /// What a robot is at that does not go on for this reason, or goes on.
+    /// What a robot is doing, given why it does not go on; nothing if it goes on.
     pub fn activity(&self, robot: RobotId, why: Option<Why>) -> Activity {
         if self.ledger.robots[robot].is_gone() {
             return Activity::Gone;
@@ -211,7 +211,7 @@ impl Floor<'_> {
                 let chain = self.ledger.chain(robot);
                 let may_drive = chain.granted() > chain.first() + 1;
                 let stands = self.scene.robot(robot).is_none_or(|t| t.stands());
-                // One that may drive and stands for no reason is about to set off.
+                // A robot that may drive and stands for no reason is about to set off.
                 let waits = stands && (why.is_some() || !may_drive);
                 if waits { Activity::Waiting } else { Activity::Driving }
             }

@@ -1,7 +1,8 @@
-//! The robot arms at work cells: what each picks, what was seen of the picker beside it, and what is wrong with it.
+//! The robot arms at work cells: what each picks, what was seen of the picker beside it, and what is wrong with the
+//! arm.
 //!
-//! Main types: `Arms`, `ArmPost`, [`ArmView`]. Lost at a restart: lines that were an arm's are given to the hand or
-//! taken anew then. Refuses: to move anything; `requests` asks each arm what it does next.
+//! Main types: `Arms`, `ArmPost`, [`ArmView`]. Lost at a restart: then an arm's lines are given to the hand or taken
+//! anew. Refuses: to move anything; `requests` asks each arm what it does next.
 
 use giveway_cell::arm::{ArmActivity, ArmKind, PickerSight, StationArm};
 use giveway_floor::id::{JobId, StationId};
@@ -14,26 +15,26 @@ use std::collections::BTreeMap;
 pub struct ArmPost {
     /// The arm.
     pub arm: StationArm,
-    /// What was seen of the picker of late.
+    /// What was seen of the picker lately.
     pub sight: PickerSight,
-    /// The line of its task: of which job, and its number.
+    /// The line on which the arm works: the job, and the line's number.
     pub line: Option<(JobId, usize)>,
-    /// Since when it has been at the piece that it picks.
+    /// Since when the arm has been at the piece that it picks.
     pub piece_since: Time,
-    /// Lines that it leaves to the hand: it found nothing there, or no way.
+    /// Lines that the arm leaves to the hand: it found nothing there, or no way.
     pub left: Vec<(JobId, usize)>,
-    /// When a hand was in the opening last, or about to be.
+    /// When a hand was last in the opening, or about to be.
     pub hand_inside: Time,
 }
 
 /// An arm as it is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmView {
-    /// What it does.
+    /// What the arm does.
     pub activity: ArmActivity,
-    /// The line that it picks: of which job, and its number, from 0.
+    /// The line that the arm picks: the job, and the line's number, from 0.
     pub line: Option<(JobId, usize)>,
-    /// Whether it has not moved in the opening for a minute.
+    /// Whether the arm has not moved in the opening for a minute.
     pub is_stuck_inside: bool,
 }
 
@@ -70,7 +71,7 @@ impl Arms {
         self.all.get_mut(&station)
     }
 
-    /// Whether an arm was in the opening of a station, or beyond it, when it was heard of last.
+    /// Whether an arm was in the opening of a station, or beyond it, when last heard of.
     pub fn is_inside(&self, station: StationId) -> bool {
         self.all.get(&station).is_some_and(|post| post.arm.is_inside())
     }

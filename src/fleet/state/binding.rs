@@ -1,5 +1,5 @@
-//! Which restrictions bind a robot on what lies ahead of it. If it is in a restricted place already, it may go wherever
-//! it comes no nearer to what it is to leave.
+//! Which restrictions bind a robot on its way ahead. If it is in a restricted place already, it may go wherever it
+//! comes no nearer to what it is to leave.
 //!
 //! Refuses: to decide whether a robot waits or goes elsewhere.
 
@@ -13,27 +13,27 @@ use giveway_people::aware::Zone;
 use smallvec::SmallVec;
 use std::collections::BTreeSet;
 
-/// Holds farther ahead than this are not looked at: much can happen before.
+/// How far ahead holds are looked at: much can happen before later ones.
 const AHEAD: Span = Span::from_secs(12);
-/// A robot needs about this long to be on a node and off it again.
+/// About how long a robot needs to drive onto a node and off it again.
 const PASSING: Span = Span::from_millis(1500);
-/// Grants look no farther ahead: stops take as long as they take.
+/// How far ahead grants look at most: stops take as long as they take.
 pub(crate) const STOPPING: Span = Span::from_secs(8);
 
-/// Half of a robot with a rack, and a person beside it, metres: a robot on a node nearer than this to somebody's way
-/// is on it.
+/// Half of a robot with a rack plus a person beside it, metres: a robot on a node nearer than this to a person's way is
+/// on that way.
 pub(crate) const WAY_M: f64 = 0.9;
 
 impl Floor<'_> {
     /// What does not bind a robot. If it is too near to a worker already, it may go wherever it comes no nearer. If it
-    /// is in a closed area already, it may go on, since it would help no one if it stood there.
+    /// is in a closed area already, it may go on, since standing there would help no one.
     pub(crate) fn exemptions(&self, robot: RobotId, now: Time) -> SmallVec<[Exemption; 2]> {
         let chain = self.ledger.chain(robot);
         let node = chain.get(chain.granted() - 1).expect("what is granted is held").node;
         let mut exemptions: SmallVec<[Exemption; 2]> = SmallVec::new();
         for c in self.conditions(robot).of(node) {
             let binds = matches!(c.effect, Effect::NoEntryOrExit | Effect::Closed) && c.window.contains(now);
-            // Only who is on a way out leaves it: what was granted there does not let a robot on.
+            // Only a robot on a way out may leave it: a grant for a node there does not let another robot on.
             let enters = c.cause == Cause::Evacuation && !self.is_on(robot, &self.restrictions.ways_out);
             if !binds || enters || exemptions.iter().any(|a| a.from == c.cause) {
                 continue;
@@ -52,7 +52,7 @@ impl Floor<'_> {
         on.any(|n| (self.at(n) - at).norm() < WAY_M)
     }
 
-    /// The exemption with which a robot on a node may go wherever it comes no nearer to what it is to leave.
+    /// The exemption that lets a robot on a node go wherever it comes no nearer to what it is to leave.
     pub(crate) fn exemption_from(&self, node: NodeId, from: Cause) -> Option<Exemption> {
         let at = match from {
             Cause::Worker(worker) => self.restrictions.nearest_place(worker, self.at(node))?,
@@ -68,7 +68,7 @@ impl Floor<'_> {
         self.holds_back_where(robot, visit, |_| true, now)
     }
 
-    /// The same for a robot that passes people.
+    /// The condition, people aside, that keeps a visit from being granted to a robot that passes people, if one does.
     pub(crate) fn holds_back_besides_people(
         &self,
         robot: RobotId,
@@ -102,8 +102,8 @@ impl Floor<'_> {
         binding.find(|c| counts(c) && binds(c)).copied()
     }
 
-    /// Where the holds ahead of a robot share places with people and closures: at each place the one that is there the
-    /// longest of those that the robot would meet, or one that it would not.
+    /// The zones that the holds ahead of a robot share with people and closures. For each place, of the zones that the
+    /// robot would meet, the one that ends last; if it would meet none, any other.
     pub(crate) fn zones(&self, robot: RobotId, now: Time) -> SmallVec<[(Cause, Zone); 4]> {
         let chain = self.ledger.chain(robot);
         let exemptions = self.exemptions(robot, now);

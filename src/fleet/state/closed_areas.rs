@@ -1,7 +1,7 @@
-//! Announced closures as the search sees them: looked at when one is announced, begins, ends or is taken back, and not
-//! in steps in which none does.
+//! Announced closures as the search sees them: looked at when one is announced, begins, ends or is taken back, and in
+//! no other step.
 //!
-//! Main type: [`Areas`]. Refuses: to know of people, whose conditions are made anew in every step.
+//! Main type: [`Areas`]. Refuses: to know of people, whose conditions are rebuilt in every step.
 
 use crate::state::recurring::LOOKS;
 use crate::state::regions::KindConditions;
@@ -14,16 +14,16 @@ use giveway_floor::warehouse::{NodeKind, Warehouse};
 use giveway_people::aware::nodes_in;
 use std::collections::BTreeMap;
 
-/// What is closed within this is treated as closed by whatever chooses a job, a place for a rack, or one to rest.
+/// What closes within this time counts as closed when a job, a place for a rack or a place to rest is chosen.
 pub(crate) const SOON: Span = Span::from_secs(180);
 
-/// A closure that is over stays in the list for so long.
+/// How long a closure that is over stays in the list.
 const KEPT: Span = Span::from_secs(24 * 3600);
 
-/// An occurrence of a recurring closure for so long: there are many, and the recurring closure stays.
+/// How long an occurrence that is over stays in the list: there are many, and the recurring closure stays.
 const KEPT_OCCURRENCE: Span = Span::from_secs(3600);
 
-/// The search is told of a closure so long before it begins: no route takes longer, and closures of months ahead would
+/// How long before it begins the search is told of a closure: no route takes longer, and closures months ahead would
 /// only be in its way.
 const AHEAD: Span = Span::from_secs(24 * 3600);
 
@@ -40,23 +40,23 @@ pub struct Areas {
     open: BTreeMap<ClosureId, ClosedArea>,
     /// Nodes that are closed, or will be soon, with when that begins.
     closing: BTreeMap<NodeId, Time>,
-    /// The closure of each, the first of several.
+    /// The closure of each of these nodes; if there are several, the first.
     by: BTreeMap<NodeId, ClosureId>,
-    /// Storage nodes beside those whose racks have no other way out.
+    /// Storage nodes beside closed ones whose racks have no other way out, with when the last way is closed.
     cut_off: BTreeMap<NodeId, Time>,
-    /// How many closures had been announced and taken back when they were looked at last; nothing where they are to be
-    /// announced to all robots anew.
+    /// How many closures had been announced and taken back when they were last looked at; nothing if they are to be
+    /// announced to all robots again.
     changes: Option<u64>,
     next: Option<Time>,
-    /// When recurring closures were looked at last, and how many changes there had been.
+    /// When recurring closures were last looked at, and how many changes there had been.
     recurring: Option<(Time, u64)>,
-    /// When the first closure has been over for so long that it is forgotten.
+    /// When the first closure will have been over for so long that it is forgotten.
     forget: Option<Time>,
 }
 
 impl Areas {
-    /// Looks at the closures if some were announced or taken back, or one begins or ends now. `changes` counts what was
-    /// announced and taken back. To be called while there are no passing conditions.
+    /// Looks at the closures if some were announced or taken back, or one begins or ends now. `changes` counts closures
+    /// that were announced and taken back. To be called while there are no passing conditions.
     pub fn update(
         &mut self,
         closures: &BTreeMap<ClosureId, Closure>,
@@ -88,13 +88,13 @@ impl Areas {
         self.forget = closures.values().map(forgotten_at).min();
     }
 
-    /// What was announced is forgotten, and announced again when the closures are looked at next.
+    /// Forgets what was announced, so that it is announced again when the closures are next looked at.
     pub fn announce_anew(&mut self) {
         self.open.clear();
         self.changes = None;
     }
 
-    /// Whether recurring closures are to be looked at; asked once, it is not for a while.
+    /// Whether recurring closures are to be looked at now. After a yes, the answer is no for a while.
     pub fn looks_at_recurring(&mut self, changes: u64, now: Time) -> bool {
         let looks = self.recurring.is_none_or(|(at, before)| before != changes || now >= at + LOOKS);
         if looks {
@@ -111,12 +111,12 @@ impl Areas {
         closures.iter().filter(|(_, c)| forgotten_at(c) <= now).map(|(id, _)| *id).collect()
     }
 
-    /// Since when, or from when on, a node is closed by hand, if it is or will be soon.
+    /// Since when, or from when on, a node is closed by hand or cut off by that, if it is or will be soon.
     pub fn begins(&self, node: NodeId) -> Option<Time> {
         self.closing.get(&node).or_else(|| self.cut_off.get(&node)).copied()
     }
 
-    /// The same without those whose racks are merely cut off.
+    /// Since when, or from when on, a node is itself closed by hand, not merely cut off.
     pub fn begins_here(&self, node: NodeId) -> Option<Time> {
         self.closing.get(&node).copied()
     }
@@ -126,7 +126,7 @@ impl Areas {
         &self.by
     }
 
-    /// Nodes that are closed by hand, or will be soon, and those that are cut off by that.
+    /// Nodes that are closed by hand, or will be soon, and nodes that are cut off by these.
     pub fn nodes(&self) -> impl Iterator<Item = NodeId> + '_ {
         self.closing.keys().chain(self.cut_off.keys()).copied()
     }
@@ -157,7 +157,7 @@ fn forgotten_at(closure: &Closure) -> Time {
     closure.window.end() + if closure.series.is_some() { KEPT_OCCURRENCE } else { KEPT }
 }
 
-/// When a closure is told to the search, begins to count, or ends, whichever is next.
+/// When the search is told of a closure, the closure begins to count, or it ends, whichever is next.
 fn next_change(window: Window, now: Time) -> Option<Time> {
     let told = window.start() - AHEAD + Span(1);
     let counts = window.start() - SOON + Span(1);

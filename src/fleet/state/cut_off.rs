@@ -1,9 +1,9 @@
-//! What robots that cannot drive, and closed areas, cut off: stations to which no rack comes past them, and storage
-//! whose racks do not come out.
+//! What closed areas and robots that cannot drive cut off: stations that no rack gets to, and storage whose racks do
+//! not get out.
 //!
-//! Main types: [`CutOff`], [`Barrier`]. It is found out anew only when a robot breaks down, is repaired or stands
-//! elsewhere, and when an area is closed or opened: a few walks over the floor, which leave out what is held. Kinds of
-//! robots are not told apart, and lanes that are in conflict with a hold count as open. Refuses: to plan: that a place
+//! Main types: [`CutOff`], [`Barrier`]. It is computed anew only when a robot breaks down, is repaired or stands
+//! elsewhere, and when an area is closed or opened: a few walks over the floor, which leave out what is held. Robot
+//! kinds are not told apart, and lanes that are in conflict with a hold count as open. Refuses: to plan: that a place
 //! is not cut off is no promise of a route.
 
 use crate::state::job_kind::JobKind;
@@ -18,18 +18,18 @@ use std::sync::OnceLock;
 /// A station that has been blocked for this long is blocked for long: racks for it wait in storage, not on robots.
 const LONG: Span = Span::from_secs(60);
 
-/// What no robot gets past.
+/// Something that no robot gets past.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Barrier {
     /// This robot, which cannot drive.
     Robot(RobotId),
     /// This area, which is closed or will be soon.
     Closure(ClosureId),
-    /// What stands on this node, as a robot reported; it is tried again, so it cuts no job off.
+    /// Something on this node, as a robot reported; robots try the node again, so it cuts no job off.
     Obstruction(NodeId),
 }
 
-/// What has blocked a station, and since when.
+/// What blocks a station, and since when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Blocker {
     cut: Barrier,
@@ -37,7 +37,8 @@ struct Blocker {
 }
 
 impl Blocker {
-    /// A robot may drive on in a moment. How long an area stays closed is known, and that is long.
+    /// Whether the station is blocked for long. A robot may drive on in a moment; how long an area stays closed is
+    /// known, and that is long.
     fn is_for_long(&self, now: Time) -> bool {
         match self.cut {
             Barrier::Robot(_) => now - self.since > LONG,
@@ -50,11 +51,11 @@ impl Blocker {
 /// What robots that cannot drive, and closed areas, cut off.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CutOff {
-    /// Nodes that are closed, or on which such a robot may stand, or which it blocks.
+    /// Nodes that are closed, and nodes on which a robot that cannot drive may stand or which it blocks.
     held: BTreeMap<NodeId, Barrier>,
-    /// Stations to which no rack comes, or from which none gets away.
+    /// Stations that no rack gets to, or that none gets away from.
     blocked: BTreeMap<StationId, Blocker>,
-    /// What the others are joined to.
+    /// What the other stations are connected to.
     open: BTreeMap<StationId, Region>,
     storage: BTreeMap<NodeId, Barrier>,
     reach: ReachedNodes,
@@ -71,8 +72,8 @@ impl PartialEq for ReachedNodes {
     }
 }
 
-/// What a station is joined to: nodes from which robots get there, without and with a rack, and to which they get from
-/// there without one.
+/// What a station is connected to: nodes from which robots get there, without and with a rack, and nodes to which
+/// robots get from there without a rack.
 #[derive(Clone, Debug, PartialEq)]
 struct Region {
     from: [IdVec<NodeId, bool>; 2],
@@ -129,18 +130,18 @@ impl CutOff {
         found
     }
 
-    /// Stations to which no rack comes, or from which none gets away.
+    /// Stations that no rack gets to, or that none gets away from.
     pub fn blocked(&self) -> impl Iterator<Item = StationId> + '_ {
         self.blocked.keys().copied()
     }
 
-    /// What has blocked a station for long.
+    /// What blocks a station, if it has been blocked for long.
     pub fn blocks_for_long(&self, station: StationId, now: Time) -> Option<Barrier> {
         self.blocked.get(&station).filter(|b| b.is_for_long(now)).map(|b| b.cut)
     }
 
-    /// Whether a robot that stands on a node gets to no storage node, past nothing that is held: with a rack, it can
-    /// set that down nowhere else.
+    /// Whether a robot on a node gets to no storage node without passing something that is held: if it carries a rack,
+    /// it can set it down nowhere else.
     pub fn traps(&self, w: &Warehouse, here: NodeId) -> bool {
         if self.held.is_empty() || w.kind(here) == NodeKind::Storage {
             return false;
@@ -194,7 +195,7 @@ impl CutOff {
         self.open.is_empty() || self.open.values().any(|r| r.from[0][here] && r.to[node])
     }
 
-    /// What is between a rack and where a job is to bring it. A blocked station is another matter.
+    /// What is between a rack and where a job is to bring it. Blocked stations do not count here.
     pub fn blocks_job(&self, w: &Warehouse, kind: &JobKind, rack_at: NodeId) -> Option<Barrier> {
         if let Some(cut) = self.storage.get(&rack_at) {
             return Some(*cut);
@@ -207,14 +208,14 @@ impl CutOff {
         if goes_on { None } else { self.first_met(w, rack_at) }
     }
 
-    /// The first cut on the ways of a rack from a node, else any.
+    /// The first barrier on the ways of a rack from a node; if there is none, any barrier.
     pub fn first_met(&self, w: &Warehouse, node: NodeId) -> Option<Barrier> {
         let walk = FloorWalks::new(w, &self.held).walk([node], LaneSense::Forward(None), true, |_| false);
         walk.met.or(self.held.values().next().copied())
     }
 
-    /// The first cut on the ways of a robot from where it is to a node, if none of them leads there past all of them
-    /// and past what robots found `obstructed`.
+    /// The first barrier on a robot's ways from where it is to a node, if none of them leads there past all barriers
+    /// and past the `obstructed` nodes.
     pub fn between(
         &self,
         w: &Warehouse,
@@ -284,15 +285,15 @@ impl<'a> FloorWalks<'a> {
         })
     }
 
-    /// What a station is joined to.
+    /// What a station is connected to.
     fn region(&self, station: StationId) -> Region {
         let seen = |along, loaded| self.walk([self.w.stations[station].node], along, loaded, |_| false).seen;
         let from = [false, true].map(|loaded| seen(LaneSense::Back(Some(station)), loaded));
         Region { from, to: seen(LaneSense::Forward(None), false) }
     }
 
-    /// Storage nodes from which no rack comes to a station that is open, or which no robot reaches from there; with
-    /// what is in the way. If no station is open, those that are held.
+    /// Storage nodes from which no rack gets to an open station, or which no robot reaches from there; with what is in
+    /// the way. If no station is open, only the storage nodes that are held.
     fn storage(&self, open: &BTreeMap<StationId, Region>) -> BTreeMap<NodeId, Barrier> {
         let is_storage = |n: &NodeId| self.w.kind(*n) == NodeKind::Storage;
         let held = self.held.iter().filter(|(n, _)| is_storage(n));
@@ -307,7 +308,7 @@ impl<'a> FloorWalks<'a> {
         cut_off
     }
 
-    /// Where lanes lead from some nodes on, or from where to them.
+    /// Walks along lanes from some nodes on, or back along the lanes that lead to them.
     fn walk(
         &self,
         starts: impl IntoIterator<Item = NodeId>,
@@ -355,9 +356,9 @@ impl<'a> FloorWalks<'a> {
 /// What a walk found.
 struct FloorWalk {
     seen: IdVec<NodeId, bool>,
-    /// The first cut that it met.
+    /// The first barrier that the walk met.
     met: Option<Barrier>,
-    /// Whether it came to where it was to end.
+    /// Whether the walk came to where it was to end.
     ended: bool,
 }
 

@@ -1,31 +1,33 @@
-//! What a robot says is wrong with it, each with one meaning and one reaction.
+//! What a robot reports as wrong with itself; each fault has one meaning and one reaction.
 //!
-//! Main type: [`Fault`]. A battery that is flat and a load that is lost are no faults of their own: the battery and the
-//! rack in the telemetry say so. Refuses: to say how bad it is in words; those are in the API.
+//! Main type: [`Fault`]. A flat battery and a lost load are no faults of their own: the battery and the rack in the
+//! telemetry say so. Refuses: to say in words how bad it is; those are in the API.
 
-/// What keeps a robot from doing what it was told, by its own word.
+/// What keeps a robot from doing what it was told, by its own report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Fault {
-    /// It is broken. It stands until a person repairs it; others take over what they can and go round it.
+    /// The robot is broken. It stands until a person repairs it; others take over what they can and go round it.
     Broken,
-    /// Its emergency stop is pressed. It is treated like a broken robot until the stop is released, and goes on then.
+    /// The robot's emergency stop is pressed. It is treated like a broken robot until the stop is released, then goes
+    /// on.
     EmergencyStop,
-    /// A person drives it: it obeys no orders and has forgotten its way. What was granted to it stays its own, the
-    /// floor where it truly is is closed, and it is taken up where it stands when that is over.
+    /// A person drives the robot: it obeys no orders and has forgotten its way. It keeps what it was granted, the floor
+    /// where it really is is closed, and it is taken up where it stands when the person is done.
     Manual,
-    /// Something that it cannot pass stands on its way to the next node. It goes back, and that node is closed for
-    /// a while.
+    /// Something that the robot cannot pass stands on its way to the next node. The robot goes back, and that node is
+    /// closed for a while.
     Obstructed,
-    /// It stands at a charger and gets no current. No robot is sent to that charger for a while, and this one leaves.
+    /// The robot stands at a charger and gets no current. For a while no robot is sent to that charger; this one
+    /// leaves.
     Unplugged,
 }
 
 impl Fault {
-    /// All of them.
+    /// All faults.
     pub const ALL: [Fault; 5] =
         [Fault::Broken, Fault::EmergencyStop, Fault::Manual, Fault::Obstructed, Fault::Unplugged];
 
-    /// Its name for machines: on the wire and in recordings.
+    /// The fault's name for machines: on the wire and in recordings.
     pub fn word(self) -> &'static str {
         match self {
             Fault::Broken => "broken",
@@ -41,7 +43,7 @@ impl Fault {
         Fault::ALL.into_iter().find(|fault| fault.word() == word)
     }
 
-    /// Whether a robot with it obeys no order to drive until a person helps.
+    /// Whether a robot with this fault obeys no order to drive until a person helps.
     pub fn is_immobile(self) -> bool {
         matches!(self, Fault::Broken | Fault::EmergencyStop | Fault::Manual)
     }

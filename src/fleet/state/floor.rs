@@ -1,7 +1,8 @@
-//! What every room may ask of: what was promised, what is seen, and the settings. Nothing can be changed through it.
+//! What every part of the core may read: what was promised, what is seen, and the settings. Nothing can be changed
+//! through it.
 //!
-//! Main type: [`Floor`]. Each room adds the questions that it answers. Refuses: to know of people, routes to come, or
-//! anything else that a room keeps to itself.
+//! Main type: [`Floor`]. Each part of the core adds its own queries. Refuses: to know of people, routes to come, or
+//! anything else that a part keeps to itself.
 
 use super::at_hand::AtHand;
 use super::job::Job;
@@ -22,7 +23,7 @@ use giveway_floor::warehouse::{Footprint, Warehouse};
 use giveway_people::aware::Regions;
 use std::sync::Arc;
 
-/// Poses farther than this outside the map's nodes are absurd, metres.
+/// Poses farther outside the map's nodes than this are absurd, metres.
 const MARGIN_M: f64 = 3.0;
 
 /// The floor as it is now.
@@ -34,15 +35,15 @@ pub struct Floor<'a> {
     pub scene: &'a Scene,
     /// The settings.
     pub settings: &'a Settings,
-    /// What people, closed areas and displaced robots mean for robots.
+    /// How people, closed areas and displaced robots restrict robots.
     pub restrictions: &'a Restrictions,
     /// What robots and workers wait for, as of the end of the last step.
     pub waits: &'a WaitGraph,
-    /// How near robots of each kind come to people, and how fast.
+    /// How near robots of each kind come to people, and how fast they drive there.
     pub regions: &'a KindRegions,
     /// What the map says about storage.
     pub storage: &'a Storage,
-    /// What is kept in mind about visits at work cells.
+    /// What is remembered about visits at work cells.
     pub visits: &'a Visits,
     /// The robot that is being dealt with.
     pub at_hand: &'a AtHand,
@@ -64,22 +65,22 @@ impl<'a> Floor<'a> {
         self.ledger.timeline().body(robot)
     }
 
-    /// What a robot takes of the floor, with the rack that it has.
+    /// The footprint of a robot, with the rack that it carries, if any.
     pub fn footprint(&self, robot: RobotId) -> &'a Footprint {
         self.warehouse().footprint(self.body(robot), self.ledger.rack_on(robot).is_some())
     }
 
-    /// Half of a robot and half of a person beside it, metres.
+    /// Half of a robot plus half of a person beside it, metres.
     pub fn beside_m(&self, robot: RobotId, person_m: f64) -> f64 {
         self.footprint(robot).half_m() + person_m
     }
 
-    /// How near a robot comes to people, and how fast.
+    /// How near a robot comes to people, and how fast it drives there.
     pub fn regions(&self, robot: RobotId) -> &'a Regions {
         self.regions.of(self.body(robot))
     }
 
-    /// What binds a robot on nodes.
+    /// The conditions on nodes that bind a robot.
     pub fn conditions(&self, robot: RobotId) -> &'a Conditions {
         self.restrictions.conditions.of(self.body(robot))
     }
@@ -99,32 +100,33 @@ impl<'a> Floor<'a> {
         &self.kind(robot).kinematics
     }
 
-    /// The number of the visit whose centre a robot has reached, by its own word: the ledger follows later in the step,
-    /// and a robot that drove on meanwhile would seem to turn back.
+    /// The serial number of the visit whose centre a robot has reached, by its own report: the ledger follows later in
+    /// the step, and a robot that drove on meanwhile would seem to turn back.
     pub fn reached(&self, robot: RobotId) -> u64 {
         let chain = self.ledger.chain(robot);
         let said = self.scene.robot(robot).map_or(0, |t| t.reached);
         said.clamp(chain.first(), chain.granted() - 1)
     }
 
-    /// What a robot was granted and has not reached.
+    /// The visits that a robot was granted and has not reached.
     pub fn granted_ahead(self, robot: RobotId) -> impl Iterator<Item = &'a Visit> {
         let chain = self.ledger.chain(robot);
         (self.reached(robot) + 1..chain.granted()).filter_map(|serial| chain.get(serial))
     }
 
-    /// Where a robot is, as far as it was seen.
+    /// Where a robot was last seen; the place of its node if it was never seen.
     pub fn place_of(&self, robot: RobotId) -> Point {
         let node = self.warehouse().nodes[self.ledger.node_of(robot)].at;
         self.scene.robot(robot).map_or(node, |t| t.pose.at)
     }
 
-    /// Whether the rack of a job leaves its station when the hand is out for the last time: it is wanted nowhere else.
+    /// Whether the rack of a job leaves its station when the hand is out for the last time: the rack is wanted nowhere
+    /// else.
     pub fn ends_out(self, job: &Job) -> bool {
         self.settings.flow.leaves_at_last_grasp() && job.request.then.is_empty()
     }
 
-    /// Tells whether a person can be at a place at all.
+    /// Returns a test whether a person can be at a place at all.
     pub fn is_on_map(&self) -> impl Fn(Point) -> bool + use<> {
         let (low, high) = self.warehouse().bounds();
         move |p| {

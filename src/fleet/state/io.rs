@@ -23,9 +23,9 @@ const STANDS_MPS: f64 = 0.01;
 /// An observation or a request from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
-    /// A robot says how it is.
+    /// A robot reports its state.
     Telemetry(Telemetry),
-    /// A link says how it is with a robot there.
+    /// A link reports its state for a robot.
     Link(RobotId, LinkState),
     /// A worker was seen.
     Sighted(Sighting),
@@ -33,70 +33,71 @@ pub enum Input {
     Hands(HandsSeen),
     /// A robot arm at a work cell says how it is.
     Arm(ArmSaid),
-    /// The true end of the visit that is on at a station: when the hand will be out for the last time. Only
+    /// The true end of the visit in progress at a station: when the hand will be out for the last time. Only
     /// experiments know it ([`giveway_cell::Flow::Known`]).
     VisitEnds {
-        /// Where.
+        /// The station.
         station: StationId,
-        /// When.
+        /// When the visit ends.
         at: Time,
     },
     /// A request.
     Ask {
-        /// Comes back with the reply.
+        /// The token that comes back with the reply.
         token: Token,
-        /// What.
+        /// What is asked for.
         request: Request,
     },
 }
 
 impl Input {
-    /// A request under a token; a number alone is one of a client.
+    /// A request under a token; a bare number is a client's token.
     pub fn ask(token: impl Into<Token>, request: impl Into<Request>) -> Input {
         Input::Ask { token: token.into(), request: request.into() }
     }
 }
 
-/// How a robot is. Observations of one robot may be late, repeated, out of order or wrongly dated: `seen` orders them
-/// as far as the robot's clock goes on evenly.
+/// The state of a robot. Observations of one robot may be late, repeated, out of order or wrongly dated: `seq` orders
+/// them, and `seen` dates them as far as the robot's clock runs evenly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Telemetry {
     /// The robot.
     pub robot: RobotId,
-    /// The robot's link numbers the reports of a robot in the order in which it made them, also past its restarts. One
-    /// with a number that is not above the newest was overtaken, or came twice.
+    /// The number of the report. A robot's link numbers its reports in the order in which the robot made them, also
+    /// past its restarts. A report whose number is not above the newest was overtaken, or came twice.
     pub seq: u64,
-    /// When this was so, by the robot's clock; in what the fleet keeps, by the fleet's own.
+    /// When the report was made: by the robot's clock, or by the fleet's own in what the fleet keeps.
     pub seen: Time,
-    /// Where it is.
+    /// Where the robot is.
     pub pose: Pose,
-    /// How fast it drives, metres per second.
+    /// How fast the robot drives, metres per second.
     pub speed_mps: f64,
-    /// Serial number of the last visit whose centre it has reached.
+    /// Serial number of the last visit whose centre the robot has reached.
     pub reached: u64,
-    /// Serial number of the last visit that it has been told of.
+    /// Serial number of the last visit that the robot has been told of.
     pub known: u64,
-    /// Serial number of the last stop at which it is done.
+    /// Serial number of the last stop at which the robot is done.
     pub acted: Option<u64>,
-    /// The rack on it.
+    /// The rack on the robot.
     pub rack: Option<RackId>,
     /// Charge, 0 to 1.
     pub battery: f64,
-    /// What is wrong with it, if anything is.
+    /// What is wrong with the robot, if anything is.
     pub fault: Option<Fault>,
-    /// The limit of its speed that it was told last, metres per second; 0 is a stop.
+    /// The speed limit that the robot was last told, metres per second; 0 is a stop.
     pub limit_mps: Option<f64>,
-    /// How many revocations it has obeyed.
+    /// How many revocations the robot has obeyed.
     pub recalls: u64,
 }
 
 impl Telemetry {
-    /// Whether it obeys no order until a person helps: it is broken, stopped or driven by hand, or its battery is flat.
+    /// Whether the robot obeys no order until a person helps: it is broken, stopped or driven by hand, or its battery
+    /// is flat.
     pub fn cannot_drive(&self) -> bool {
         self.fault.is_some_and(Fault::is_immobile) || self.battery <= 0.0
     }
 
-    /// Whether it does not move.
+    /// Whether the robot does not move.
     pub fn stands(&self) -> bool {
         self.speed_mps < STANDS_MPS
     }
@@ -105,25 +106,25 @@ impl Telemetry {
 /// An order to a robot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Drive along these waypoints, in order. Waypoints that the robot knows already are repeated until it says so.
-    /// If the first one is later than all it knows, the robot takes that for where it stands, provided that it knows
-    /// no way to drive and is at that node: it was pushed there. A robot that does not stand on the way to the
-    /// next waypoint takes none on. A robot that stands between two nodes and knows no waypoint drives back if the
-    /// order ends with the visit that it reached last, and turns round again only when it stands.
+    /// Drive along these waypoints, in order. Waypoints that the robot already knows are repeated until it confirms
+    /// them. If the first waypoint is later than all that the robot knows, the robot takes it for where it stands,
+    /// provided that it knows no way to drive and is at that node: it was pushed there. A robot that does not stand on
+    /// the way to the next waypoint takes none on. A robot that stands between two nodes and knows no waypoint drives
+    /// back if the order ends with the visit that it reached last, and turns round again only when it stands.
     Drive {
-        /// The proof that they are held and granted.
+        /// The proof that the waypoints are held and granted.
         grant: Reserved,
-        /// Where, and what to do there.
+        /// Where to drive, and what to do there.
         waypoints: Vec<Waypoint>,
-        /// How many revocations came before. A robot that has obeyed more of them ignores the order: it is older.
+        /// How many revocations came before the order. A robot that has obeyed more ignores the order, which is older.
         recalls: u64,
-        /// The nodes that are planned after those, and may change: as many as the robot's kind wants to know. They are
-        /// not granted.
+        /// The nodes that are planned after the waypoints, and may change: as many as the robot's kind wants to know.
+        /// They are not granted.
         horizon: Vec<NodeId>,
     },
     /// If the robot stands, and this is the last visit whose centre it reached, it forgets all waypoints, stays where
-    /// it is, on a node or between two, and says so by the number of revocations that it has obeyed. Else it goes on
-    /// as before.
+    /// it is, on a node or between two, and confirms by the number of revocations that it has obeyed. Otherwise it goes
+    /// on as before.
     Revoke {
         /// Serial number of the visit.
         reached: u64,
@@ -137,56 +138,57 @@ pub enum Command {
 /// One granted visit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Waypoint {
-    /// Its serial number.
+    /// Serial number of the visit.
     pub serial: u64,
-    /// Where.
+    /// The node to drive to.
     pub node: NodeId,
-    /// What to do there before going on.
+    /// What to do at the node before driving on.
     pub act: Option<Act>,
-    /// Whom the robot may pass on the way there within the corridor of the lane; nothing where it keeps to the line.
+    /// The worker whom the robot may pass on the way there within the lane's corridor; nothing if it keeps to the line.
     pub passes: Option<WorkerId>,
 }
 
 /// What one step did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Step {
-    /// What happened, in order. Durable before grants and replies leave.
+    /// What happened, in order. Facts are durable before grants and replies leave.
     pub facts: Vec<Fact>,
     /// Orders to robots. They leave once the facts are durable.
     pub commands: Vec<(RobotId, Command)>,
-    /// Answers. They leave once the facts are durable.
+    /// Answers to requests. They leave once the facts are durable.
     pub replies: Vec<Reply>,
     /// Stops, slow-downs and their ends. They leave at once: they take no hold from any robot.
     pub urgent: Vec<(RobotId, Command)>,
-    /// What workers are told, where it changed. It leaves at once.
+    /// New guidance for workers, where it changed. It leaves at once.
     pub guidance: Vec<(WorkerId, Guidance)>,
     /// Warnings for people at work cells. They leave at once.
     pub warnings: Vec<CellWarning>,
-    /// Trajectories for robot arms. They leave at once: each is of a second at most, and the arm's own stop holds it.
+    /// Trajectories for robot arms. They leave at once: each lasts a second at most, and the arm's own stop holds the
+    /// arm.
     pub arms: Vec<ArmOrder>,
-    /// Which facts requests caused themselves, in order. What the fleet decided because of them is not among these.
+    /// Which facts requests caused directly, in order. What the fleet decided because of them is not among these.
     pub caused: Vec<CausedFacts>,
 }
 
 /// A person at a work cell is about to pick or put a piece where it does not belong, or has done so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CellWarning {
-    /// Where.
+    /// The station.
     pub station: StationId,
-    /// Whose hand, as observations of hands have it.
+    /// The person whose hand it is, numbered as in observations of hands.
     pub person: u32,
     /// What is wrong.
     pub wrong: WrongReach,
-    /// When the hand was seen that was judged.
+    /// When the judged hand was seen.
     pub seen: Time,
 }
 
-/// Where a hand is wrong.
+/// How a hand is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WrongReach {
-    /// It goes to this slot, which is not the lit one.
+    /// The hand goes to this slot, which is not the lit one.
     Slot(SlotName),
-    /// It put a piece into this tote, by its number at the station, which is not that of its line.
+    /// The hand put a piece into this tote, by its number at the station, which is not the tote of its line.
     Tote(usize),
 }
 
@@ -195,6 +197,6 @@ pub enum WrongReach {
 pub struct CausedFacts {
     /// The token of the request.
     pub token: Token,
-    /// Their places among the facts of the step, counted from 0.
+    /// The places of these facts among the facts of the step, counted from 0.
     pub facts: Range<usize>,
 }

@@ -12,7 +12,7 @@ use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 use std::hash::{Hash, Hasher};
 
-/// A station that a rack is wanted at.
+/// A station at which a rack is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Visiting {
     /// The station.
@@ -21,18 +21,18 @@ pub struct Visiting {
     pub pick: Option<Span>,
 }
 
-/// A job as a customer hands it in.
+/// A job as a customer submits it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JobRequest {
-    /// What. Of a delivery to several stations: to the next one.
+    /// What is wanted; of a delivery to several stations, the delivery to the next one.
     pub kind: JobKind,
-    /// The stations that the rack goes on to from there, in this order; of a delivery only.
+    /// The stations that the rack goes on to from there, in this order; for deliveries only.
     pub then: Vec<Visiting>,
-    /// 0 (whenever) to 9 (before all others).
+    /// Priority, from 0 (whenever there is time) to 9 (before all others).
     pub priority: u8,
-    /// When it should be done.
+    /// When the job should be done.
     pub deadline: Option<Time>,
-    /// Jobs that must be over first.
+    /// Jobs that must be done first.
     pub after: Vec<JobId>,
     /// The customer's own key: the same key never makes a second job.
     pub key: Option<ClientKey>,
@@ -40,7 +40,7 @@ pub struct JobRequest {
     pub reference: Option<String>,
     /// The customer's own labels by key. Nothing is decided by them.
     pub labels: BTreeMap<String, String>,
-    /// What is to be picked at each station of a delivery, in the order in which it was submitted; nothing at all where
+    /// What is to be picked at each station of a delivery, in the order in which the stations were submitted; empty if
     /// no station has lines.
     pub lines: Vec<Vec<OrderLine>>,
 }
@@ -49,7 +49,7 @@ impl Hash for JobRequest {
     fn hash<H: Hasher>(&self, to: &mut H) {
         let JobRequest { kind, then, priority, deadline, after, key, reference, labels, lines } = self;
         (kind, then, priority, deadline, after, key, reference, labels).hash(to);
-        // Digests of recordings in which nothing has lines stay what they were.
+        // Digests of recordings without lines stay what they were.
         if !lines.is_empty() {
             lines.hash(to);
         }
@@ -57,7 +57,7 @@ impl Hash for JobRequest {
 }
 
 impl JobRequest {
-    /// This, whenever there is time for it.
+    /// A request for this, whenever there is time for it.
     pub fn new(kind: JobKind) -> JobRequest {
         let (then, after, labels, lines) = (Vec::new(), Vec::new(), BTreeMap::new(), Vec::new());
         JobRequest {
@@ -73,7 +73,7 @@ impl JobRequest {
         }
     }
 
-    /// Whether robots of a kind can do it with its rack on a node, at all of its stations.
+    /// Whether robots of a kind can do the job with its rack on a node, at all of its stations.
     pub fn is_for(&self, w: &Warehouse, body: BodyId, rack: (RackId, NodeId)) -> bool {
         let reaches = |v: &Visiting| w.may_be_at(body, w.stations[v.station].node);
         self.kind.is_for(w, body, rack) && self.then.iter().all(reaches)
@@ -92,12 +92,12 @@ impl JobRequest {
 /// Which robots may do a job for a rack.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum RobotChoice {
-    /// Any that can.
+    /// Any robot that can.
     #[default]
     Any,
-    /// Not this one, from which the job was taken, until then.
+    /// Any robot except this one, from which the job was taken, until this time.
     Except(RobotId, Time),
-    /// This one, as an operator wants, until then: if it cannot, others do it.
+    /// This robot, as an operator wants, until this time: if it cannot, others do the job.
     Only(RobotId, Time),
 }
 
@@ -112,73 +112,73 @@ impl RobotChoice {
     }
 }
 
-/// What is to be different about a job that waits; nothing where a field is to stay.
+/// What is to be changed about a waiting job; a field that holds nothing stays as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct JobChange {
-    /// 0 to 9.
+    /// The new priority, 0 to 9.
     pub priority: Option<u8>,
-    /// When it should be done; nothing inside for no time.
+    /// When the job should be done; an inner nothing removes the deadline.
     pub deadline: Option<Option<Time>>,
-    /// Where its rack is wanted.
+    /// The station at which the job's rack is wanted.
     pub station: Option<StationId>,
-    /// Which robot has to do it.
+    /// The robot that has to do the job.
     pub robot: Option<RobotId>,
 }
 
 /// How far a job has come. `Waiting → Assigned → Carrying → Picking → Done`; [`super::life`] has the whole table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum JobState {
-    /// No robot has it yet.
+    /// No robot has the job yet.
     Waiting,
     /// A robot is on its way to the rack, or to where it was sent.
     Assigned {
-        /// Which.
+        /// The robot.
         robot: RobotId,
     },
     /// A robot carries the rack.
     Carrying {
-        /// Which.
+        /// The robot.
         robot: RobotId,
     },
     /// The rack stands at the station.
     Picking {
-        /// Under which robot.
+        /// The robot under the rack.
         robot: RobotId,
     },
     /// Done.
     Done,
-    /// The customer does not want it any more, or a job it depended on was cancelled.
+    /// The customer no longer wants the job. The jobs behind it fail.
     Cancelled,
-    /// It cannot be done.
+    /// The job cannot be done.
     Failed(JobFailure),
 }
 
 /// Why a job cannot be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum JobFailure {
-    /// A job it was to come after was cancelled or failed.
+    /// A job that this one was to come after was cancelled or failed.
     Predecessor(JobId),
-    /// No way leads there, even on an empty floor.
+    /// No way leads to where the job has to go, even on an empty floor.
     Unreachable,
     /// Another rack has come to stand on the storage node, or is promised it.
     StorageTaken(NodeId),
-    /// The rack came to its station, where goods were missing.
+    /// The rack came to its station, but goods were missing.
     Short,
-    /// Robots want one another's places, and there is no free place at which one of them could make room.
+    /// Robots want one another's places, and there is no free place where one of them could make room.
     NoPlaceAside,
-    /// The robot that it names has left the floor.
+    /// The robot that the job names has left the floor.
     RobotGone,
-    /// The map was changed, and no longer has a rack, a station or a node that it names.
+    /// The map was changed, and no longer has a rack, a station or a node that the job names.
     MapChanged,
 }
 
 impl JobState {
-    /// Whether nothing more will happen.
+    /// Whether nothing more will happen to the job.
     pub fn is_over(&self) -> bool {
         matches!(self, JobState::Done | JobState::Cancelled | JobState::Failed(_))
     }
 
-    /// The robot at work on it.
+    /// The robot that works on the job.
     pub fn robot(&self) -> Option<RobotId> {
         match *self {
             JobState::Assigned { robot } | JobState::Carrying { robot } | JobState::Picking { robot } => {
@@ -188,7 +188,7 @@ impl JobState {
         }
     }
 
-    /// The word for it on the wire.
+    /// The state's word on the wire.
     pub fn word(&self) -> &'static str {
         match self {
             JobState::Waiting => "waiting",
@@ -205,17 +205,17 @@ impl JobState {
 /// A job with its state.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Job {
-    /// As handed in.
+    /// What is wanted from now on: the request without the stations that were served.
     pub request: JobRequest,
-    /// How far it has come.
+    /// How far the job has come.
     pub state: JobState,
-    /// When it was accepted.
+    /// When the job was accepted.
     pub accepted: Time,
     /// The stations that were served, and when the pick at each of them ended.
     pub served: Vec<(Visiting, Time)>,
-    /// Which robots may do it, if it is for a rack.
+    /// Which robots may do the job, if it is for a rack.
     pub choice: RobotChoice,
-    /// How far the lines of each station are, in the order of [`JobRequest::lines`].
+    /// How far the lines at each station are, in the order of [`JobRequest::lines`].
     pub lines: Vec<Lines>,
 }
 
@@ -227,18 +227,18 @@ impl Job {
         Job { request, state, accepted, served: Vec::new(), choice, lines }
     }
 
-    /// The lines at the station where its rack is wanted now, if there are any.
+    /// The lines at the station where the job's rack is wanted now, if there are any.
     pub fn lines_now(&self) -> Option<&Lines> {
         self.lines.get(self.served.len()).filter(|lines| !lines.all().is_empty())
     }
 
-    /// The same, to be changed.
+    /// The lines at the station where the job's rack is wanted now, to be changed.
     pub fn lines_now_mut(&mut self) -> Option<&mut Lines> {
         self.lines.get_mut(self.served.len()).filter(|lines| !lines.all().is_empty())
     }
 
-    /// The pick at the station has ended, and the rack goes on to the next one. Gives the station that was served;
-    /// nothing, and changes nothing, if there is no next one.
+    /// Ends the pick at the station, after which the rack goes on to the next one. Returns the station that was served;
+    /// if there is no next one, returns nothing and changes nothing.
     pub fn go_on(&mut self, robot: RobotId, at: Time) -> Option<StationId> {
         let JobKind::Deliver { rack, station, pick } = self.request.kind else { return None };
         if self.request.then.is_empty() {

@@ -1,15 +1,15 @@
-//! What customers may want of the fleet: the one list of kinds of jobs.
+//! What customers may ask of the fleet: the one list of job kinds.
 //!
 //! Main types: [`JobKind`], [`JobWord`] (a kind without what the job is about), [`JobParts`] (what it is about, without
-//! the kind). Whatever reads or writes jobs (records, recordings, columns, the API) goes by the parts, so that it does
+//! the kind). Code that reads or writes jobs (records, recordings, columns, the API) goes by the parts, so that it does
 //! not have to know the kinds. Refuses: to know how a job is carried out.
 
 use giveway_floor::id::{BodyId, Dense, NodeId, RackId, RobotId, StationId};
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::{NodeKind, Warehouse};
 
-/// Makes the types from the list of kinds: for each its word, what a job of this kind is about, and, after a semicolon,
-/// what may be left out.
+/// Makes the types from the list of kinds: for each kind its word, what a job of this kind is about and, after a
+/// semicolon, what may be left out.
 macro_rules! job_kinds {
     ($(
         $(#[$doc:meta])*
@@ -30,16 +30,16 @@ macro_rules! job_kinds {
             )+
         }
 
-        /// A kind of jobs by its word.
+        /// A job kind by its word.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum JobWord {
             $($(#[$doc])* $kind,)+
         }
 
         impl JobWord {
-            /// All of them.
+            /// All kinds.
             pub const ALL: &[JobWord] = &[$(JobWord::$kind),+];
-            /// The words of all of them, in the same order.
+            /// The words of all kinds, in the same order.
             pub const WORDS: &[&str] = &[$($word),+];
 
             /// The word on the wire.
@@ -56,10 +56,10 @@ macro_rules! job_kinds {
                 }
             }
 
-            /// A job of this kind from its parts; others than its own are ignored.
+            /// A job of this kind from its parts; parts that this kind does not have are ignored.
             ///
             /// # Errors
-            /// The first part that it needs and that is missing.
+            /// The first missing part that this kind needs.
             pub fn with(self, parts: JobParts) -> Result<JobKind, JobField> {
                 Ok(match self {
                     $(JobWord::$kind => JobKind::$kind {
@@ -71,14 +71,14 @@ macro_rules! job_kinds {
         }
 
         impl JobKind {
-            /// Which kind it is.
+            /// The kind of the job.
             pub fn name(&self) -> JobWord {
                 match self {
                     $(JobKind::$kind { .. } => JobWord::$kind,)+
                 }
             }
 
-            /// What it is about.
+            /// What the job is about.
             pub fn parts(&self) -> JobParts {
                 match *self {
                     $(JobKind::$kind { $($needed,)+ $($optional,)? } => JobParts {
@@ -125,7 +125,7 @@ job_kinds! {
         /// The robot.
         robot: RobotId,
     }
-    /// Send a robot to a node, and on to a place where it may stay if the node is none.
+    /// Send a robot to a node and, if it may not stay there, on to a place where it may.
     Go "go" (Robot Node) {
         /// The robot.
         robot: RobotId,
@@ -143,18 +143,18 @@ pub enum JobField {
     Station,
     /// The node to which the rack, or the robot, goes.
     Node,
-    /// The robot that has to do it.
+    /// The robot that has to do the job.
     Robot,
     /// How long the pick takes.
     Pick,
 }
 
 impl JobField {
-    /// All of them.
+    /// All fields.
     pub const ALL: [JobField; 5] =
         [JobField::Rack, JobField::Station, JobField::Node, JobField::Robot, JobField::Pick];
 
-    /// The word for it, in records.
+    /// The field's word in records.
     pub fn word(self) -> &'static str {
         match self {
             JobField::Rack => "rack",
@@ -165,7 +165,7 @@ impl JobField {
         }
     }
 
-    /// The one of this word.
+    /// The field of this word.
     pub fn of_word(word: &str) -> Option<JobField> {
         JobField::ALL.into_iter().find(|field| field.word() == word)
     }
@@ -180,7 +180,7 @@ pub struct JobParts {
     pub station: Option<StationId>,
     /// The node to which the rack, or the robot, goes.
     pub node: Option<NodeId>,
-    /// The robot that has to do it.
+    /// The robot that has to do the job.
     pub robot: Option<RobotId>,
     /// How long the pick takes.
     pub pick: Option<Span>,
@@ -198,7 +198,7 @@ impl JobParts {
         }
     }
 
-    /// The parts with this one from its number; unchanged where the number is none of an id.
+    /// The parts with this one set from its number; the part is empty if the number is no id.
     #[must_use]
     pub fn with_number(mut self, field: JobField, number: i64) -> JobParts {
         let id = u32::try_from(number).ok();
@@ -242,17 +242,17 @@ impl JobKind {
         self.parts().station
     }
 
-    /// The robot that has to do it, if the customer named one.
+    /// The robot that has to do the job, if the customer named one.
     pub fn robot(&self) -> Option<RobotId> {
         self.parts().robot
     }
 
-    /// The word for it on the wire.
+    /// The kind's word on the wire.
     pub fn word(&self) -> &'static str {
         self.name().word()
     }
 
-    /// Where the robot that the job names is sent; nothing where a rack has to be moved.
+    /// Where the robot that the job names is sent; nothing if a rack has to be moved.
     pub fn errand(&self) -> Option<RobotErrand> {
         match *self {
             JobKind::Charge { .. } => Some(RobotErrand::Charge),
@@ -262,7 +262,7 @@ impl JobKind {
         }
     }
 
-    /// What kind of place a robot is to find by itself.
+    /// The kind of place that the robot is to find by itself, if any.
     pub fn place(&self) -> Option<NodeKind> {
         match self.errand()? {
             RobotErrand::Charge => Some(NodeKind::Charger),
@@ -277,7 +277,7 @@ impl JobKind {
         station.map(|station| w.stations[station].node).or(node)
     }
 
-    /// Whether the map has what the job names, and as many robots have joined.
+    /// Whether the map has everything that the job names, and the robot that it names has joined.
     pub fn is_known(&self, w: &Warehouse, robots: usize) -> bool {
         let JobParts { rack, station, node, robot, pick: _ } = self.parts();
         rack.is_none_or(|r| r.ix() < w.racks.len())
@@ -286,8 +286,8 @@ impl JobKind {
             && robot.is_none_or(|r| r.ix() < robots)
     }
 
-    /// Whether robots of a kind can do it with its rack on a node: carry the rack, and drive there and to where it is
-    /// wanted.
+    /// Whether robots of a kind can do the job with its rack on a node: carry the rack, and drive to the node and to
+    /// where the rack is wanted.
     pub fn is_for(&self, w: &Warehouse, body: BodyId, (rack, node): (RackId, NodeId)) -> bool {
         let goal = self.goal(w).unwrap_or(node);
         w.can_carry(body, rack) && w.may_be_at(body, node) && w.may_be_at(body, goal)

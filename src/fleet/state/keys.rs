@@ -10,23 +10,23 @@ use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 use std::hash::{Hash, Hasher};
 
-/// A key is known for at least so long after its job or assignment was accepted: 7 days.
+/// How long at least a key is known after its job or assignment was accepted: 7 days.
 pub const KEY_LIFE: Span = Span::from_secs(7 * 24 * 3600);
 
-/// So many keys of each kind are forgotten in one step at most, so that no step is long because of them.
+/// How many keys of each kind are forgotten in one step at most, so that no step is long because of them.
 const AT_ONCE: usize = 64;
 
 /// A customer's own key for a job or an assignment.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ClientKey {
-    /// Whose it is; nothing if that is not known.
+    /// The customer whose key it is; nothing if that is not known.
     pub owner: Option<CustomerId>,
-    /// What the customer calls it.
+    /// The text that the customer chose.
     pub text: String,
 }
 
 impl<T: Into<String>> From<T> for ClientKey {
-    /// A key of which nobody knows whose it is.
+    /// A key whose owner is not known.
     fn from(text: T) -> ClientKey {
         ClientKey { owner: None, text: text.into() }
     }
@@ -46,8 +46,8 @@ impl Hash for ClientKey {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Keys<I> {
     known: BTreeMap<ClientKey, I>,
-    /// Those of what is over, with the time of acceptance. Ids are given in the order of acceptance, so the first one
-    /// is the oldest.
+    /// Keys of jobs or assignments that are over, with the time of acceptance. Ids are given in the order of
+    /// acceptance, so the first one is the oldest.
     over: BTreeMap<I, (Time, ClientKey)>,
 }
 
@@ -58,7 +58,7 @@ impl<I> Default for Keys<I> {
 }
 
 impl<I: Copy + Ord> Keys<I> {
-    /// These keys: of what is open, and of what is over with the time of acceptance.
+    /// Takes keys of open jobs or assignments, and keys of those that are over, with the time of acceptance.
     pub fn of(
         open: impl IntoIterator<Item = (ClientKey, I)>,
         over: impl IntoIterator<Item = (I, Time, ClientKey)>,
@@ -71,14 +71,14 @@ impl<I: Copy + Ord> Keys<I> {
         keys
     }
 
-    /// Keys of what is open.
+    /// Keys of open jobs or assignments.
     pub fn open(&self) -> impl Iterator<Item = (&ClientKey, I)> {
         let open = self.known.iter().filter(|(_, id)| !self.over.contains_key(id));
         open.map(|(key, id)| (key, *id))
     }
 
-    /// What this key was given for. A key of an earlier build, which did not note whose it was, is found under its text
-    /// by every customer, so that no retry over an update makes a second job.
+    /// The job or assignment for which this key was given. A key of an earlier build, which did not note the owner, is
+    /// found under its text by every customer, so that no retry over an update makes a second job.
     pub fn get(&self, key: &ClientKey) -> Option<&I> {
         self.known.get(key).or_else(|| self.known.get(&ClientKey::from(key.text.as_str())))
     }
@@ -93,25 +93,25 @@ impl<I: Copy + Ord> Keys<I> {
         self.known.is_empty()
     }
 
-    /// Keys of what is over, oldest first, with the time of acceptance.
+    /// Keys of jobs or assignments that are over, oldest first, with the time of acceptance.
     pub fn over(&self) -> impl Iterator<Item = (I, Time, &ClientKey)> {
         self.over.iter().map(|(id, (accepted, key))| (*id, *accepted, key))
     }
 
-    /// A key is known from now on.
+    /// Makes a key known from now on.
     pub fn insert(&mut self, key: ClientKey, id: I) {
         let before = self.known.insert(key, id);
         assert!(before.is_none(), "a key that is known makes nothing new");
     }
 
-    /// What had this key is over; it was accepted then.
+    /// Notes that the job or assignment with this key is over, and when it was accepted.
     pub fn end(&mut self, id: I, key: ClientKey, accepted: Time) {
         assert!(self.known.contains_key(&key), "what ends had its key");
         let before = self.over.insert(id, (accepted, key));
         assert!(before.is_none(), "what is over does not end again");
     }
 
-    /// Forgets the key of something that is over.
+    /// Forgets the key of a job or assignment that is over.
     pub(crate) fn forget(&mut self, id: I) {
         let (_, key) = self.over.remove(&id).expect("only keys of what is over are forgotten");
         self.known.remove(&key);

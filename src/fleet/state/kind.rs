@@ -1,8 +1,8 @@
-//! Kinds of robots: what all robots of one kind have in common.
+//! Robot kinds: what all robots of one kind have in common.
 //!
-//! Main types: [`RobotKind`], [`Charging`], [`Capabilities`]. Main function: [`fitted`]. A robot's kind is known
-//! by its name. What a kind of the site is may be changed between two starts; one that was added is a fact, and stays
-//! while robots are of it. Refuses: to know of a robot's state.
+//! Main types: [`RobotKind`], [`Charging`], [`Capabilities`]. Main function: [`fitted`]. A robot's kind is known by its
+//! name. A kind of the site may be changed between two starts; an added kind is a fact, and stays while robots are of
+//! it. Refuses: to know of a robot's state.
 
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::Span;
@@ -10,68 +10,69 @@ use giveway_floor::warehouse::{Body, Findings, Footprint, Warehouse};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-/// The name of the kind where a scenario tells none apart, and of robots from before there were kinds.
+/// The name of the kind if a scenario tells none apart, and of robots from before there were kinds.
 pub const USUAL_KIND: &str = "robot";
 
 /// What all robots of a kind have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotKind {
-    /// Its name.
+    /// The name of the kind.
     pub name: String,
-    /// How it moves, and how long it takes to lift.
+    /// How the robots move, and how long they take to lift.
     pub kinematics: Kinematics,
-    /// When it charges, and how long a charge lasts.
+    /// When the robots charge, and how long a charge lasts.
     pub charging: Charging,
-    /// Its outlines without and with a rack; nothing for the square of the map.
+    /// The robots' outlines without and with a rack; nothing for the square of the map.
     pub footprints: [Option<Footprint>; 2],
-    /// The types of racks that it can carry; nothing for all.
+    /// The types of racks that the robots can carry; nothing for all.
     pub carries: Option<Vec<String>>,
-    /// The heaviest rack that it can carry, kilograms.
+    /// The heaviest rack that the robots can carry, kilograms.
     pub payload_kg: f64,
-    /// Whether it may leave the line of a lane that has a corridor, to pass people.
+    /// Whether the robots may leave the line of a lane that has a corridor, to pass people.
     pub free_navigation: bool,
-    /// What it can do besides driving to where it was granted to drive.
+    /// What the robots can do besides driving to where they were granted to drive.
     pub capabilities: Capabilities,
 }
 
 /// What robots of a kind can do besides driving to where they were granted to drive. Simulated robots can do all of it;
-/// of others, few can.
+/// few others can.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
-    /// Whether a robot that stands forgets what it was granted when it is told to, and says how often it has. Of others
-    /// nothing is taken back.
+    /// Whether a robot that stands forgets what it was granted when told to, and says how often it has. Nothing is
+    /// taken back from other robots.
     pub revocation: bool,
-    /// Which limits of its speed it obeys within what it was granted.
+    /// Which speed limits a robot obeys within what it was granted.
     pub limits: ObeyedLimits,
-    /// Whether it drives back from between two nodes to the one that it came from.
+    /// Whether a robot drives back from between two nodes to the one that it came from.
     pub drives_back: bool,
-    /// How many visits that are not granted yet its orders show it, so that it need not brake before it is told more.
+    /// How many visits that are not granted yet a robot's orders show it, so that it need not brake before it is told
+    /// more.
     pub horizon_nodes: usize,
 }
 
-/// Which limits of its speed a robot obeys within what it was granted.
+/// Which speed limits a robot obeys within what it was granted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ObeyedLimits {
     /// Any speed, and a stop.
     Speeds,
-    /// A stop alone: where others would be slow, it stands.
+    /// Only a stop: where others would be slow, the robot stands.
     Stops,
-    /// None: it is granted one node at a time, and nothing towards a person for whom it would have to stop.
+    /// None: the robot is granted one node at a time, and nothing towards a person for whom it would have to stop.
     Nothing,
 }
 
 impl Default for Capabilities {
-    /// Everything, and no need of a horizon.
+    /// All capabilities, and no horizon.
     fn default() -> Capabilities {
         Capabilities { revocation: true, limits: ObeyedLimits::Speeds, drives_back: true, horizon_nodes: 0 }
     }
 }
 
 impl ObeyedLimits {
-    /// All of them.
+    /// All values.
     pub const ALL: [ObeyedLimits; 3] = [ObeyedLimits::Speeds, ObeyedLimits::Stops, ObeyedLimits::Nothing];
 
-    /// Its word in files and requests.
+    /// The word in files and requests.
     pub fn word(self) -> &'static str {
         match self {
             ObeyedLimits::Speeds => "speed",
@@ -80,7 +81,7 @@ impl ObeyedLimits {
         }
     }
 
-    /// What a word names.
+    /// The value that a word names.
     pub fn of_word(word: &str) -> Option<ObeyedLimits> {
         Self::ALL.into_iter().find(|limits| limits.word() == word)
     }
@@ -104,22 +105,21 @@ impl Default for RobotKind {
 impl Eq for RobotKind {}
 
 impl Hash for RobotKind {
-    /// All figures, as they are written out: each is read back as the same number.
+    /// Hashes all figures as they are written out: each is read back as the same number.
     fn hash<H: Hasher>(&self, to: &mut H) {
         format!("{self:?}").hash(to);
     }
 }
 
 impl RobotKind {
-    /// A kind of which only that is known what the building knows, and how long holds outlast it: all else is as
-    /// usual.
+    /// A kind of which only what the building knows is known, and how long holds outlast it: all else is as usual.
     pub fn of_body(body: &Body, clearance: Span) -> RobotKind {
         let Body { kind, footprints, carries, payload_kg } = body.clone();
         let kinematics = Kinematics { clearance, ..Kinematics::default() };
         RobotKind { name: kind, kinematics, footprints, carries, payload_kg, ..RobotKind::default() }
     }
 
-    /// What the building must know of it.
+    /// What the building must know of the kind.
     pub fn body(&self) -> Body {
         let (footprints, carries) = (self.footprints.clone(), self.carries.clone());
         Body { kind: self.name.clone(), footprints, carries, payload_kg: self.payload_kg }
@@ -129,7 +129,7 @@ impl RobotKind {
 /// A building for robots of these kinds.
 ///
 /// # Errors
-/// Kinds for which it was not drawn.
+/// Kinds for which the building was not drawn.
 pub fn fitted(warehouse: &Arc<Warehouse>, kinds: &[RobotKind]) -> Result<Arc<Warehouse>, Findings> {
     let has_rules = warehouse.lanes.iter().any(|l| l.kinds.is_some());
     let bodies: Vec<Body> = kinds.iter().map(RobotKind::body).collect();
@@ -142,13 +142,13 @@ pub fn fitted(warehouse: &Arc<Warehouse>, kinds: &[RobotKind]) -> Result<Arc<War
 /// When robots of a kind charge, in shares of a full charge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Charging {
-    /// Below this a robot takes no job and charges before all others.
+    /// Below this charge a robot takes no job and charges before all others.
     pub critical: f64,
-    /// Below this an idle robot charges before it takes a job, if a charger is free.
+    /// Below this charge an idle robot charges before it takes a job, if a charger is free.
     pub low: f64,
-    /// From this on a robot at a charger takes jobs, and leaves if another robot needs its charger.
+    /// From this charge on a robot at a charger takes jobs, and leaves if another robot needs its charger.
     pub enough: f64,
-    /// From this on an idle robot does not go to a charger.
+    /// From this charge on an idle robot does not go to a charger.
     pub full: f64,
     /// Whether idle robots above `low` use chargers that are free.
     pub opportunity: bool,
@@ -162,8 +162,8 @@ impl Default for Charging {
     }
 }
 
-/// The figures of the robot among these that is worst for somebody in its way: the fastest, with the weakest brakes.
-/// Regions around people are made for it, whichever robot comes.
+/// The figures of the robot among these that is worst for a person in its way: the fastest, with the weakest brakes.
+/// Regions around people are computed for it, whichever robot comes.
 pub fn most_dangerous(kinds: &[RobotKind]) -> Kinematics {
     let all = kinds.iter().map(|k| k.kinematics);
     let worse = |a: Kinematics, b: Kinematics| Kinematics {

@@ -1,4 +1,4 @@
-//! All kinds of robots on a floor: those of its site, and those that were added while it worked.
+//! All robot kinds on a floor: those of its site, and those that were added during operation.
 //!
 //! Main type: [`RobotKinds`]. Part of the ledger, whose building is for these kinds, in this order. Refuses: to know
 //! whether the floor was drawn for a kind, and whether robots are of it.
@@ -8,11 +8,11 @@ use giveway_floor::time::Span;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// All kinds of robots on a floor, each with a name of its own: the site's first, then those that were added.
+/// All robot kinds on a floor, each with a unique name: the site's kinds first, then the added ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RobotKinds {
     all: Arc<[RobotKind]>,
-    /// How many of them are the site's.
+    /// How many of the kinds are the site's.
     of_site: usize,
 }
 
@@ -25,7 +25,7 @@ impl Deref for RobotKinds {
 }
 
 impl RobotKinds {
-    /// The kinds of a site, and none that were added.
+    /// The kinds of a site, without added ones.
     ///
     /// # Panics
     /// If the site has none.
@@ -34,7 +34,7 @@ impl RobotKinds {
         RobotKinds { all: kinds.into(), of_site: kinds.len() }
     }
 
-    /// The same with kinds that were added. Kinds whose name the site has by now are left out: the site's file may
+    /// These kinds and the added ones. An added kind whose name the site has by now is left out: the site's file may
     /// have been changed since.
     pub fn with_added(mut self, added: impl IntoIterator<Item = RobotKind>) -> RobotKinds {
         for kind in added {
@@ -55,7 +55,7 @@ impl RobotKinds {
         &self.all[..self.of_site]
     }
 
-    /// The kinds that were added, in the order in which they were.
+    /// The added kinds, in the order in which they were added.
     pub fn added(&self) -> &[RobotKind] {
         &self.all[self.of_site..]
     }
@@ -73,22 +73,22 @@ impl RobotKinds {
     /// The kind of this name.
     ///
     /// # Panics
-    /// If there is none. Of robots in a ledger, [`super::ledger::Ledger::unknown_kinds`] says so beforehand; others
-    /// cannot join.
+    /// If there is none. For robots in a ledger, [`super::ledger::Ledger::unknown_kinds`] says so beforehand; robots of
+    /// such a kind cannot join.
     pub fn of(&self, name: &str) -> &RobotKind {
         self.named(name).unwrap_or_else(|| panic!("there is no kind of robots named {name:?}"))
     }
 
-    /// By how much a hold outlasts the moment in which a robot stands on the next node: for all kinds the same, since
-    /// they hand places to one another.
+    /// How long a hold outlasts the moment in which its robot stands on the next node. The same for all kinds, since
+    /// robots hand places to one another.
     pub fn clearance(&self) -> Span {
         most_dangerous(self.site()).clearance
     }
 
-    /// Adds a kind, or replaces the added one of its name.
+    /// Adds a kind, or replaces the added kind of the same name.
     ///
     /// # Panics
-    /// If it is one of the site, or needs a longer clearance than the holds on the floor have.
+    /// If the kind is the site's, or needs a longer clearance than the holds on the floor have.
     pub(super) fn put(&mut self, kind: RobotKind) {
         assert!(!self.is_of_site(&kind.name), "the site has the kind {:?}", kind.name);
         assert!(kind.kinematics.clearance <= self.clearance(), "{:?} needs longer holds", kind.name);
@@ -103,7 +103,7 @@ impl RobotKinds {
     /// Removes an added kind.
     ///
     /// # Panics
-    /// If none of this name was added.
+    /// If no kind of this name was added.
     pub(super) fn remove(&mut self, name: &str) {
         assert!(self.added().iter().any(|k| k.name == name), "only an added kind is removed: {name:?}");
         self.all = self.all.iter().filter(|k| k.name != name).cloned().collect();

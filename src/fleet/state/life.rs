@@ -8,10 +8,10 @@ use crate::state::fact::Task;
 use crate::state::job::JobState;
 use crate::state::job_kind::JobKind;
 
-/// How far a job has come, without the robot.
+/// How far a job has come, without the robot that serves it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JobStage {
-    /// No robot has it.
+    /// No robot has the job.
     Waiting,
     /// A robot is on its way to the rack, or to where it was sent.
     Assigned,
@@ -23,7 +23,7 @@ pub enum JobStage {
     Done,
     /// Cancelled.
     Cancelled,
-    /// It could not be done.
+    /// The job could not be done.
     Failed,
 }
 
@@ -32,22 +32,22 @@ pub enum JobStage {
 pub enum Work {
     /// Nothing: no robot serves the job.
     Nothing,
-    /// It goes to the rack.
+    /// The robot goes to the rack.
     Fetch,
-    /// It carries the rack to the station.
+    /// The robot carries the rack to the station.
     Deliver,
-    /// It carries the rack to a storage node.
+    /// The robot carries the rack to a storage node.
     Store,
-    /// It goes somewhere without a rack.
+    /// The robot goes somewhere without a rack.
     Move,
 }
 
 /// What happens to a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JobEvent {
-    /// A robot gets it.
+    /// A robot gets the job.
     Assigned,
-    /// A robot gets it whose load is the rack that it asks for.
+    /// A robot gets the job and already carries the rack that it asks for.
     Chained,
     /// The robot lifted the rack.
     Lifted,
@@ -61,15 +61,15 @@ pub enum JobEvent {
     SetDown,
     /// The robot is where it was sent.
     Arrived,
-    /// The robot does not serve it any more; another one may.
+    /// The robot no longer serves the job; another one may.
     GivenBack,
-    /// The customer does not want it any more.
+    /// The customer no longer wants the job.
     Cancelled,
-    /// It cannot be done.
+    /// The job cannot be done.
     Failed,
 }
 
-/// Kinds of jobs that live alike.
+/// Kinds of jobs that have the same life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Family {
     /// A rack goes to a station and back.
@@ -119,7 +119,7 @@ impl Work {
     }
 }
 
-/// The table: the stage to which an event takes a job. Nothing where the event cannot happen then.
+/// The table: the stage to which an event takes a job; nothing if the event cannot happen in this stage.
 pub fn next(kind: &JobKind, from: JobStage, event: JobEvent) -> Option<JobStage> {
     use Family::{Deliver, Put, Send};
     use JobStage::{Assigned, Cancelled, Carrying, Done, Failed, Picking, Waiting};
@@ -136,14 +136,14 @@ pub fn next(kind: &JobKind, from: JobStage, event: JobEvent) -> Option<JobStage>
         (Put, Carrying, JobEvent::SetDown) => Done,
         (Send, Assigned, JobEvent::Arrived) => Done,
         (_, Assigned, JobEvent::GivenBack) => Waiting,
-        // The robot found no way on, to a station or past one that cannot drive, and set the rack down in storage.
+        // The robot found no way on to a station, or past a robot that cannot drive, and set the rack down in storage.
         (Deliver | Put, Carrying, JobEvent::GivenBack) => Waiting,
         _ => return None,
     };
     Some(to)
 }
 
-/// What the robot that serves a job does for it in a stage. Nothing where the kind has no such stage.
+/// What the robot that serves a job does for it in a stage; nothing if this kind of job has no such stage.
 pub fn work(kind: &JobKind, stage: JobStage) -> Option<Work> {
     use Family::{Deliver, Put, Send};
     Some(match (Family::of(kind), stage) {

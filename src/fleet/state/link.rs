@@ -1,20 +1,20 @@
-//! What robots are reached by: links by name, and how it is with each robot at its link.
+//! What robots are reached by: links by name, and the state of each robot at its link.
 //!
-//! Main type: [`LinkState`]. What goes through a link is data: orders out, reports in, and this. Refuses: to know how
-//! anything travels.
+//! Main type: [`LinkState`]. What goes through a link is data: orders out, reports in, and this state. Refuses: to know
+//! how anything travels.
 
 /// The name of the link to simulated robots, and to all robots from before links had names.
 pub const USUAL_LINK: &str = "sim";
 
-/// How it is with a robot at its link, as far as the link knows. Unless a link says otherwise, its robots are
-/// connected, hold any number of visits and take orders.
+/// The state of a robot at its link, as far as the link knows. Unless a link says otherwise, its robots are connected,
+/// hold any number of visits and take orders.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkState {
     /// Whether messages get through. A robot that is not connected is silent at once.
     pub connected: bool,
-    /// How many visits the robot can be told beyond the last that it reached; nothing for any number.
+    /// How many visits the robot can be told beyond the last one that it reached; nothing for any number.
     pub capacity: Option<usize>,
-    /// Why it takes no orders, in the link's words; nothing where it takes them. It obeys limits of its speed all the
+    /// Why the robot takes no orders, in the link's words; nothing if it takes them. It obeys speed limits all the
     /// same, and drives on to where it was granted.
     pub refuses: Option<String>,
 }

@@ -1,19 +1,19 @@
-//! The clock on the wall: how far local time is ahead of UTC, and when that changes.
+//! Local time: how far it is ahead of UTC, and when that changes.
 //!
-//! Main type: [`LocalClock`]. The edge that takes a request looks the changes up and stores them with it, so that what
-//! follows is the same on every machine, after every restart and in every replay, whatever tables of time zones there
-//! are. Refuses: to read such a table.
+//! Main type: [`LocalClock`]. The edge that takes a request looks up the changes and stores them with it, so that the
+//! outcome is the same on every machine, after every restart and in every replay, whatever tables of time zones are
+//! installed. Refuses: to read such a table.
 
 use giveway_floor::time::{Span, Time};
 
-/// How far local time is ahead of UTC: an offset, and later ones.
+/// How far local time is ahead of UTC: a first offset, and later ones.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Default)]
 pub struct LocalClock {
     /// Name of the time zone; nothing for a fixed offset.
     pub zone: Option<String>,
-    /// Ahead of UTC before the first change.
+    /// How far local time is ahead of UTC before the first change.
     pub offset: Span,
-    /// From when on it is another one, ascending.
+    /// Later offsets, each with the time from which on it applies, ascending.
     pub changes: Vec<(Time, Span)>,
 }
 
@@ -23,19 +23,19 @@ impl LocalClock {
         LocalClock { zone: None, offset, changes: Vec::new() }
     }
 
-    /// How far it is ahead of UTC.
+    /// How far local time is ahead of UTC at a time.
     pub fn offset_at(&self, at: Time) -> Span {
         let before = self.changes.iter().rev().find(|(from, _)| *from <= at);
         before.map_or(self.offset, |(_, offset)| *offset)
     }
 
-    /// What it shows, counted as if it were UTC.
+    /// The local time, counted as if it were UTC.
     pub fn shown(&self, at: Time) -> Time {
         at + self.offset_at(at)
     }
 
-    /// When it shows this. Of a time that it shows twice, as clocks are put back, the first counts. A time that it
-    /// passes over, as they are put forward, is as much later: 02:30 is 03:30 then.
+    /// When the clock shows this local time. If it shows the time twice, as clocks are put back, the first counts. If
+    /// it skips the time, as clocks are put forward, the result is later by the skipped span: 02:30 becomes 03:30.
     pub fn instant(&self, shown: Time) -> Time {
         let first = (self.offset, Time(i64::MIN));
         let stretches =

@@ -1,7 +1,7 @@
 //! What was promised and what is seen: the ledger with its facts, what goes into a step and comes out, the scene.
 //!
 //! Main types: [`ledger::Ledger`] (a fold over [`fact::Fact`]s), [`scene::Scene`], [`io::Input`], [`io::Step`].
-//! Refuses: to decide anything; it knows no other room.
+//! Refuses: to decide anything; it knows no other part of the core.
 
 pub mod activity;
 pub mod arms;

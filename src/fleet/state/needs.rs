@@ -1,6 +1,6 @@
-//! Robots that need a route: since when, how often one was looked for, and whose turn it is at stations.
+//! Robots that need a route: since when, how often one was searched for, and whose turn it is at stations.
 //!
-//! Main type: [`Needs`]. Refuses: to look for routes.
+//! Main type: [`Needs`]. Refuses: to search for routes.
 
 use super::cut_off::Barrier;
 use super::floor::Floor;
@@ -15,16 +15,16 @@ pub struct Need {
     pub since: Time,
     pub next_try: Time,
     pub tries: u32,
-    /// Since when searches have failed, while it was its turn.
+    /// Since when searches have failed while it was the robot's turn.
     pub fails_since: Option<Time>,
-    /// The robot most in the way of the route that it would have if others made way, when that was looked at last; one
-    /// that cannot drive if there is no route past it.
+    /// The robot that is most in the way of the route that this robot would have if others made way, when last looked
+    /// at; a robot that cannot drive, if there is no route past that one.
     pub behind: Option<RobotId>,
     /// What cut the robot off from its goal when its last search failed.
     pub cut: Option<Barrier>,
 }
 
-/// Robots that need a route, and when each looked for a better one last.
+/// Robots that need a route, and when each robot last searched for a better one.
 #[derive(Clone, Debug, Default)]
 pub struct Needs {
     pub waiting: BTreeMap<RobotId, Need>,
@@ -35,12 +35,12 @@ pub struct Needs {
     pub early: BTreeSet<RobotId>,
     /// Robots whose search was put off because the step had spent its budget, and since when.
     pub postponed: BTreeMap<RobotId, Time>,
-    /// How long the last one waited for room at a station before it set off.
+    /// How long the last robot waited for room at each station before it set off.
     pub set_off: BTreeMap<StationId, Span>,
 }
 
 impl Needs {
-    /// The robots without a route to a station that come before this one there, the oldest ticket first.
+    /// Robots without a route that come before this one at its station, the oldest ticket first.
     pub fn ahead<'a>(
         &'a self,
         floor: Floor<'a>,
@@ -67,8 +67,8 @@ impl Needs {
 
     /// Whether a loaded robot may set off to its station: the station has a place for it and for all robots that come
     /// before it, so whatever happens there, no robot on its way has to wait outside. `bound` says how many places of
-    /// each station are taken. True for robots that go to none, and for one that stands at the station already: none
-    /// of those before it gets there as long as it does.
+    /// each station are taken. True for a robot that goes to no station, and for a robot that already stands at its
+    /// station: none of the robots before it gets there as long as it does.
     pub fn has_its_turn(
         &self,
         floor: Floor<'_>,
@@ -91,12 +91,12 @@ impl Needs {
         self.waiting.get(&robot).is_some_and(|n| n.tries > 0)
     }
 
-    /// These robots may go on earlier than planned.
+    /// Notes robots that may go on earlier than planned.
     pub fn left_early(&mut self, robots: Vec<RobotId>) {
         self.early.extend(robots);
     }
 
-    /// These robots' searches are put off until the next step; those put off before, too, since then.
+    /// Robots whose searches are put off until the next step, and since when: those put off before keep their time.
     pub fn still_postponed(
         &self,
         robots: impl Iterator<Item = RobotId>,

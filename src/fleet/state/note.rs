@@ -1,7 +1,7 @@
-//! What happened, for the record alone: nothing is promised by it, and the ledger does not change.
+//! What happened, for the record alone: it promises nothing, and the ledger does not change.
 //!
-//! Main types: [`FloorNote`], [`ReplanCause`], [`EventDetails`]. Places are points of the floor, so that what was
-//! written stays true where the map is changed later. Refuses: to be an input to any decision.
+//! Main types: [`FloorNote`], [`ReplanCause`], [`EventDetails`]. Places are points of the floor, so that the record
+//! stays true if the map is changed later. Refuses: to be an input to any decision.
 
 use giveway_floor::geometry::Spot;
 use giveway_floor::id::{ClosureId, RobotId, WorkerId};
@@ -10,33 +10,33 @@ use giveway_floor::time::Time;
 /// Something for the record.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum FloorNote {
-    /// A robot on its way to the same end has another way there, or another end for the same task.
+    /// A robot on its way to the same end got another route there, or another end for the same task.
     Replanned {
         /// The robot.
         robot: RobotId,
-        /// Because of whom or what.
+        /// Why the robot was replanned.
         cause: ReplanCause,
-        /// The nodes that were ahead of it, in order; the first of them where there were many.
+        /// The nodes that were ahead of the robot, in order; only the first of them if there were many.
         was: Vec<Spot>,
-        /// The nodes that are ahead of it since, likewise.
+        /// The nodes that are ahead of the robot since, in order; only the first of them if there are many.
         now: Vec<Spot>,
-        /// When.
+        /// When it happened.
         at: Time,
     },
     /// A worker is most probably going somewhere else than before.
     Goal {
         /// The worker.
         worker: WorkerId,
-        /// Where to.
+        /// Where the worker is going.
         place: Spot,
-        /// How probable that is, percent.
+        /// How probable the goal is, percent.
         percent: u8,
-        /// When.
+        /// When it happened.
         at: Time,
     },
 }
 
-/// Because of whom or what a robot got another way.
+/// Why a robot got another route.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ReplanCause {
     /// A worker is or will be on the way.
@@ -45,12 +45,12 @@ pub enum ReplanCause {
     Closure(ClosureId),
     /// A robot cannot drive, or was pushed onto the way.
     Robot(RobotId),
-    /// Something stands on the way that the fleet does not know.
+    /// Something that the fleet does not know stands on the way.
     Obstruction,
 }
 
 impl ReplanCause {
-    /// The word for it on the wire.
+    /// The cause's word on the wire.
     pub fn word(self) -> &'static str {
         match self {
             ReplanCause::Worker(_) => "worker",
@@ -86,20 +86,20 @@ impl ReplanCause {
 /// What an event tells besides a state. Places are points of the floor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EventDetails {
-    /// Of a robot that was replanned.
+    /// A robot was replanned.
     Replanned {
-        /// Because of whom or what.
+        /// Why the robot was replanned.
         cause: ReplanCause,
-        /// The nodes that were ahead of it.
+        /// The nodes that were ahead of the robot.
         was: Vec<Spot>,
-        /// The nodes that are ahead of it since.
+        /// The nodes that are ahead of the robot since.
         now: Vec<Spot>,
     },
-    /// Of a worker's goal.
+    /// A worker has another goal.
     Goal {
-        /// Where.
+        /// Where the goal is.
         place: Spot,
-        /// How probable, percent.
+        /// How probable the goal is, percent.
         percent: u8,
     },
 }

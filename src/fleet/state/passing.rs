@@ -1,5 +1,5 @@
-//! Robots that leave the line of a lane to pass people: on which visits, within which corridor, and whether that is the
-//! cheapest of what they can do.
+//! Robots that leave the line of a lane to pass people: on which visits, within which corridor, and whether passing is
+//! the cheapest choice.
 //!
 //! Main types: [`Passing`], [`RobotPassing`] (with what changes meanwhile), [`PassingStretch`] (the corridor),
 //! [`HeldChoice`]; main function: [`cheapest`]. Lost at a restart: a robot that is off the line then is within what it
@@ -14,59 +14,59 @@ use giveway_floor::warehouse::{Corridor, Warehouse};
 use giveway_people::aware::SLOW_MPS;
 use giveway_people::local::DriveLimits;
 
-/// Something else has to be better than waiting by so much.
+/// How much better than waiting another choice has to be.
 const WORTH: Span = Span::from_secs(1);
 /// Lanes whose headings differ by less than this are one line, radians.
 const STRAIGHT: f64 = 1e-3;
-/// Robots beside the line turn no faster than this, radians per second …
+/// Top turning speed of robots beside the line, radians per second.
 const TURN_RPS: f64 = 1.2;
-/// … and gain and lose that in about half a second.
+/// Turning acceleration of robots beside the line: they gain and lose that speed in about half a second.
 const TURN_ACCEL_RPS2: f64 = 2.5;
-/// From one choice of the local planner to the next, seconds, which is also how old what it sees may be.
+/// Time from one choice of the local planner to the next, seconds; also how old what it sees may be.
 const PERIOD_S: f64 = 0.1;
 
-/// A robot may leave the line to pass a worker.
+/// What lets a robot leave the line to pass a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Passing {
-    /// Whom it passes.
+    /// The worker whom the robot passes.
     pub worker: WorkerId,
-    /// Serial number of the visit from which on it may leave the line …
+    /// Serial number of the visit from which on the robot may leave the line.
     pub from: u64,
-    /// … and of the one at which it is on the line again.
+    /// Serial number of the visit at which the robot is on the line again.
     pub to: u64,
-    /// Since when.
+    /// Since when the robot may pass the worker.
     pub since: Time,
 }
 
-/// The same, with what changes meanwhile.
+/// What lets a robot pass a worker, with what changes meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RobotPassing {
     pub what: Passing,
-    /// Since when there has been no room; the robot stands.
+    /// Since when there has been no room to pass; the robot stands.
     pub stands_since: Option<Time>,
 }
 
-/// Lanes in a row that are one line with a corridor.
+/// Consecutive lanes that form one line with a corridor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassingStretch {
     pub line: Segment,
-    /// As the robot drives; as narrow as the narrowest of them.
+    /// The corridor in the robot's direction of travel; as narrow as that of the narrowest lane.
     pub corridor: Corridor,
 }
 
-/// What a robot does that people hold up.
+/// What a robot does when people hold it up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeldChoice {
-    /// It waits until they have left.
+    /// The robot waits until the people have left.
     Wait,
-    /// It takes another route.
+    /// The robot takes another route.
     Reroute,
-    /// It goes round them within the corridor.
+    /// The robot goes round the people within the corridor.
     Pass,
 }
 
-/// What is cheapest, by when the robot reaches its next stop: if it waits, by another route, and by passing, as far as
-/// these are possible.
+/// The cheapest choice, by when the robot reaches its next stop: if it waits, by another route, and by passing, as far
+/// as the last two are possible.
 pub(crate) fn cheapest(waits: Time, reroutes: Option<Time>, passes: Option<Time>) -> HeldChoice {
     let is_worth = |t: &Time| *t + WORTH < waits;
     match (reroutes.filter(is_worth), passes.filter(is_worth)) {
@@ -78,7 +78,7 @@ pub(crate) fn cheapest(waits: Time, reroutes: Option<Time>, passes: Option<Time>
 }
 
 impl RobotKind {
-    /// What motors and brakes of a robot allow that leaves the line, at this speed at most.
+    /// What the motors and brakes of a robot that leaves the line allow, at this speed at most.
     pub fn drive_limits(&self, loaded: bool, speed_mps: f64) -> DriveLimits {
         let k = &self.kinematics;
         DriveLimits {
@@ -94,7 +94,7 @@ impl RobotKind {
 }
 
 impl PassingStretch {
-    /// That of a single lane from one node to the next, if it has a corridor.
+    /// The stretch of a single lane from one node to the next, if the lane has a corridor.
     pub fn of_lane(warehouse: &Warehouse, from: NodeId, to: NodeId) -> Option<PassingStretch> {
         let (_, arc) = warehouse.out(from).find(|(_, arc)| arc.to == to)?;
         let lane = &warehouse.lanes[arc.lane];
@@ -104,7 +104,7 @@ impl PassingStretch {
         Some(PassingStretch { line: Segment { a: at(from), b: at(to) }, corridor })
     }
 
-    /// With the next lane, if that goes straight on.
+    /// This stretch with the next lane, if that goes straight on.
     pub fn and(self, next: PassingStretch) -> Option<PassingStretch> {
         let is_straight = turn_between(self.line.heading(), next.line.heading()).abs() < STRAIGHT;
         let narrower = |f: fn(&Corridor) -> f64| f(&self.corridor).min(f(&next.corridor));
@@ -114,7 +114,7 @@ impl PassingStretch {
 }
 
 impl Floor<'_> {
-    /// The corridor along which a robot drives from one visit to another, if all of these lanes are one line with room.
+    /// The stretch that a robot drives from one visit to another, if all of these lanes are one line with a corridor.
     pub fn stretch(&self, robot: RobotId, from: u64, to: u64) -> Option<PassingStretch> {
         let chain = self.ledger.chain(robot);
         let lane =
@@ -123,12 +123,12 @@ impl Floor<'_> {
         (from + 1..to).try_fold(first, |all, s| all.and(lane(s)?))
     }
 
-    /// What motors and brakes of a robot allow that passes somebody.
+    /// What the motors and brakes of a robot that passes a person allow.
     pub fn passing_limits(&self, robot: RobotId) -> DriveLimits {
         self.kind(robot).drive_limits(self.ledger.rack_on(robot).is_some(), SLOW_MPS)
     }
 
-    /// Whether a place is within the corridor of a lane that a robot was granted and that it may leave the line of.
+    /// Whether a place is within the corridor of one of these lanes, if the robot can leave the line of a lane.
     pub fn is_within_corridor(&self, robot: RobotId, serials: std::ops::Range<u64>, at: Point) -> bool {
         if !self.kind(robot).free_navigation {
             return false;

@@ -1,13 +1,13 @@
-//! One planner for each kind of robots: what a lane takes depends on the robot that drives it.
+//! One planner for each robot kind: how long a lane takes depends on the robot that drives it.
 //!
-//! Main type: [`Planners`]. Estimates of one kind are never asked for another one. Refuses: to plan.
+//! Main type: [`Planners`]. Estimates for one kind are never used for another. Refuses: to plan.
 
 use crate::state::kind::RobotKind;
 use giveway_floor::route::{Planner, Rules};
 use giveway_floor::warehouse::Warehouse;
 use std::sync::Arc;
 
-/// The planners by the name of their kind.
+/// The planners, each with the name of its kind.
 #[derive(Clone, Debug)]
 pub struct Planners(Vec<(String, Planner)>);
 

@@ -1,17 +1,17 @@
-//! Closures that recur: which occurrence is the next.
+//! Closures that recur, and which of their occurrences is next.
 //!
-//! Main types: [`RecurringClosure`], [`Recurrence`], [`Weekdays`]. Occurrences begin and end by the clock on the wall
+//! Main types: [`RecurringClosure`], [`Recurrence`], [`Weekdays`]. Occurrences begin and end by local time
 //! ([`LocalClock`]). Refuses: to read a clock, and to look up when clocks change.
 
 use crate::state::local_clock::LocalClock;
 use crate::state::worker::Closure;
 use giveway_floor::time::{Span, Time, Window};
 
-/// Occurrences begin no oftener than this.
+/// Least time from the beginning of one occurrence to the next.
 pub const MOST_OFTEN: Span = Span::from_secs(300);
-/// An occurrence is announced so long before it begins; the next one always is.
+/// How long before its beginning an occurrence is announced; the next one always is.
 pub(crate) const ANNOUNCED: Span = Span::from_secs(3600);
-/// What recurs is looked at this often.
+/// How often recurring closures are looked at.
 pub(crate) const LOOKS: Span = Span::from_secs(1);
 const DAY: i64 = 24 * 3600 * 1_000_000;
 /// The clock's zero was a Thursday; weekdays count from Monday.
@@ -25,7 +25,7 @@ impl Weekdays {
     /// Every day.
     pub const ALL: Weekdays = Weekdays(0b111_1111);
 
-    /// Whether the day of a time that a clock shows is one of them.
+    /// Whether the weekday of a local time is one of these days.
     fn has(self, shown: Time) -> bool {
         let day = (shown.0.div_euclid(DAY) + THURSDAY).rem_euclid(7);
         self.0 >> day & 1 == 1
@@ -35,53 +35,54 @@ impl Weekdays {
 /// When a closure recurs.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Recurrence {
-    /// From the beginning of one occurrence to that of the next, as the clock shows it.
+    /// From the beginning of one occurrence to that of the next, in local time.
     pub every: Span,
     /// Only occurrences that begin on these days count.
     pub weekdays: Weekdays,
-    /// The clock by which occurrences begin and end, and in which weekdays are meant.
+    /// The clock by which occurrences begin and end and weekdays are counted.
     pub clock: LocalClock,
-    /// No occurrence begins then or later.
+    /// No occurrence begins at this time or later.
     pub until: Time,
 }
 
 /// An area that is closed again and again.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct RecurringClosure {
-    /// The area; its window is that of an occurrence, whatever the weekday, in which no clock changes and whose ends
-    /// are shown once: what they show is when every occurrence begins and ends. None begins before it.
+    /// The area; its window is that of one occurrence, whatever the weekday, in which no clock changes and whose ends
+    /// the clock shows once. Every occurrence begins and ends at the local times of these ends; none begins before the
+    /// window.
     pub area: Closure,
     /// When it recurs.
     pub recurrence: Recurrence,
-    /// When the next occurrence begins that is not announced yet; nothing where there is none.
+    /// When the next occurrence begins that has not been announced; nothing if there is none.
     pub next: Option<Time>,
 }
 
 impl RecurringClosure {
-    /// An area that is closed first in its own window, if the weekday fits.
+    /// A closure whose first occurrence is in the area's own window, if the weekday fits.
     pub fn new(area: Closure, recurrence: Recurrence) -> RecurringClosure {
         let mut new = RecurringClosure { area, recurrence, next: None };
         new.next = new.first_from(new.area.window.start());
         new
     }
 
-    /// The same without the occurrences that begin before a time.
+    /// This closure without the occurrences that begin before a time.
     pub fn not_before(self, from: Time) -> RecurringClosure {
         RecurringClosure { next: self.first_from(from), ..self }
     }
 
-    /// Whether an occurrence is over before the next begins, they do not begin too often, and there is one.
+    /// Whether each occurrence is over before the next begins, they do not begin too often, and there is at least one.
     pub fn can_be(&self) -> bool {
         let every = self.recurrence.every;
         every >= MOST_OFTEN && self.lasts() <= every && self.next.is_some()
     }
 
-    /// How long each occurrence lasts in which no clock changes.
+    /// How long an occurrence lasts if no clock changes during it.
     pub fn lasts(&self) -> Span {
         self.area.window.end() - self.area.window.start()
     }
 
-    /// The first occurrence that begins at a time or later.
+    /// When the first occurrence begins, at a time or later.
     pub fn first_from(&self, from: Time) -> Option<Time> {
         let Recurrence { every, weekdays, clock, until } = &self.recurrence;
         let first = clock.shown(self.area.window.start());
@@ -95,7 +96,7 @@ impl RecurringClosure {
         found.map(|(_, at)| at)
     }
 
-    /// The first occurrence from the next on that is not over.
+    /// When the first occurrence begins, from the next one on, that is not over.
     pub fn due(&self, now: Time) -> Option<Time> {
         let is_over = |begins: Time| self.ends(begins) <= now;
         let next = self.next?;
@@ -109,18 +110,18 @@ impl RecurringClosure {
         Some(begins)
     }
 
-    /// The area as it is closed from a time on.
+    /// The area as closed by the occurrence that begins at a time.
     pub fn occurrence(&self, begins: Time) -> Closure {
         Closure { window: Window::new(begins, self.ends(begins)), ..self.area.clone() }
     }
 
-    /// When an occurrence ends: as the clock shows it.
+    /// When an occurrence ends, by local time.
     fn ends(&self, begins: Time) -> Time {
         let clock = &self.recurrence.clock;
         clock.instant(clock.shown(begins) + self.lasts())
     }
 
-    /// By how much an occurrence may be off where clocks change.
+    /// By how much an occurrence may be shifted where clocks change.
     fn slack(&self) -> Span {
         if self.recurrence.clock.changes.is_empty() { Span::ZERO } else { Span(DAY) }
     }

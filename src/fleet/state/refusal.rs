@@ -1,6 +1,6 @@
 //! Why the fleet refuses a request.
 //!
-//! Main type: [`Refusal`], nested by what is refused. Refuses: words for it; the API has them.
+//! Main type: [`Refusal`], nested by what is refused. Refuses: to put it into words; the API does.
 
 use giveway_cell::{LineProblem, LineRefusal};
 use giveway_floor::id::{
@@ -8,7 +8,7 @@ use giveway_floor::id::{
 };
 use giveway_floor::warehouse::NodeKind;
 
-/// What the fleet takes a limited number of at once.
+/// Limits on how many of something the fleet accepts at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Bounded {
     /// Jobs that are not over.
@@ -19,36 +19,36 @@ pub enum Bounded {
     Robots,
     /// Workers who are known.
     Workers,
-    /// Closures that are announced, closed, or over since less than a day.
+    /// Closures that are announced, in force, or over since less than a day.
     Closures,
     /// Recurring closures.
     Series,
-    /// Kinds of robots, with those of the site.
+    /// Robot kinds, including those of the site.
     Kinds,
 }
 
 /// Why a request is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Refusal {
-    /// What is wanted of a job cannot be.
+    /// A job cannot be accepted, changed or cancelled as asked.
     Job(JobRefusal),
-    /// What is wanted of a visit to a station, or said about one, cannot be.
+    /// What is asked or said about a visit to a station cannot be accepted.
     Pick(PickRefusal),
-    /// A rack cannot be there.
+    /// A rack cannot be there, or cannot be moved as asked.
     Rack(RackRefusal),
-    /// What is wanted of a robot cannot be.
+    /// A robot cannot do what is asked of it.
     Robot(RobotRefusal),
-    /// What is wanted of a worker cannot be.
+    /// A worker cannot be dealt with as asked.
     Worker(WorkerRefusal),
-    /// An area cannot be closed or opened, or the building not be left.
+    /// An area cannot be closed or opened, or the building cannot be evacuated.
     Area(AreaRefusal),
-    /// A kind of robots cannot be added or removed.
+    /// A robot kind cannot be added or removed.
     Kind(KindRefusal),
     /// There is no such rack, station, node or robot.
     UnknownPlace,
     /// The map has no charger, or no parking place.
     NoSuchPlace(NodeKind),
-    /// There are as many of a kind as the fleet takes.
+    /// The fleet already has this many of them, and accepts no more.
     TooMany(Bounded, usize),
 }
 
@@ -63,9 +63,9 @@ impl From<LineRefusal> for Refusal {
 pub enum JobRefusal {
     /// No job has this number.
     Unknown(JobId),
-    /// The job was over already.
+    /// The job is already over.
     IsOver(JobId),
-    /// A robot works on the job already.
+    /// A robot already works on the job.
     HasBegun(JobId),
     /// The job's rack stands at its station, or is on its way to where it is to stay.
     CannotBeTaken(JobId),
@@ -75,13 +75,13 @@ pub enum JobRefusal {
     NotForRobot(RobotId),
     /// A rack cannot go on from a station to the same one, and only deliveries go to stations.
     SameStationTwice,
-    /// A job cannot come after one that does not exist.
+    /// The job is to come after a job that does not exist.
     UnknownPredecessor(JobId),
-    /// A job comes after more others than it may.
+    /// The job comes after more other jobs than it may.
     TooManyBefore(usize),
     /// A priority is a number from 0 to 9.
     Priority(u8),
-    /// A job cannot be done before now.
+    /// The deadline of the job is in the past.
     DeadlineIsOver,
     /// Jobs of this kind have no station that could be changed.
     HasNoStation(&'static str),
@@ -94,15 +94,15 @@ pub enum JobRefusal {
 pub enum PickRefusal {
     /// No robot stands at the station with a rack to pick from.
     NothingThere(StationId),
-    /// A line, counted from 0, of a station of the job, counted likewise, cannot be picked.
+    /// A line (counted from 0) of one of the job's stations (counted from 0) cannot be picked.
     CannotPick(usize, usize, LineProblem),
-    /// A job has lines for each of its stations, or for none.
+    /// A job must have lines for each of its stations, or for none.
     LinesPerStation,
-    /// What is said about a line cannot be.
+    /// What is said about a line cannot be accepted.
     Line(LineRefusal),
 }
 
-/// Why a rack does not go there.
+/// Why a rack cannot be there, or cannot be moved as asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RackRefusal {
     /// Racks go onto storage nodes only.
@@ -111,14 +111,14 @@ pub enum RackRefusal {
     StorageTaken(NodeId),
     /// The rack is on no robot.
     IsStored(RackId),
-    /// No kind of robots can carry the rack, and drive to it and to where it is wanted.
+    /// No robot kind can carry the rack and drive both to it and to where it is wanted.
     NoKindFor(RackId),
 }
 
-/// Why a robot does not join, leave, drive there or give up its rack.
+/// Why a robot cannot join, leave, drive to a node or give up its rack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RobotRefusal {
-    /// There is no such kind of robots.
+    /// There is no robot kind of this name.
     UnknownKind,
     /// No lanes for robots of that kind lead to the node and from it.
     NotForKind(NodeId),
@@ -126,26 +126,26 @@ pub enum RobotRefusal {
     IsGone(RobotId),
     /// Another robot holds the node, or is promised it.
     PlaceTaken(NodeId),
-    /// The robot with the rack can drive: it sets it down itself.
+    /// The robot with the rack can drive: it sets the rack down itself.
     CanDrive(RobotId),
-    /// The floor has no link: no robot would ever be heard of.
+    /// The floor has no link, so the robot would never be heard of.
     NoLink,
     /// The floor has no link of this name.
     UnknownLink,
-    /// The floor has several links, and the robot is to say by which it is reached.
+    /// The floor has several links, and the request does not say over which one the robot is reached.
     WhichLink,
 }
 
-/// Why something is not done about a worker, or given to one to do.
+/// Why a request about a worker, or for a worker to do something, is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum WorkerRefusal {
     /// No worker has this number.
     Unknown(WorkerId),
     /// The worker is on the floor, or has something to do: the place is not free.
     Busy(WorkerId),
-    /// The worker is seen, or not on the floor: nobody has to vouch for the place.
+    /// The worker is seen, or not on the floor: there is no place to vouch for.
     NotLost(WorkerId),
-    /// Nobody can stand there, or so near to it that it would narrow anything.
+    /// No person can stand there, or so near to it that it would narrow anything.
     NoPlaceForPeople,
     /// No assignment has this number, or it is over.
     UnknownAssignment(AssignmentId),
@@ -153,14 +153,14 @@ pub enum WorkerRefusal {
     OutOfReach(NodeId),
 }
 
-/// Why an area is not closed or opened, or the building not left.
+/// Why an area is not closed or opened, or the building is not evacuated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AreaRefusal {
     /// No area is closed under this number.
     UnknownClosure(ClosureId),
     /// No recurring closure has this number.
     UnknownSeries(SeriesId),
-    /// An area needs three corners and some time.
+    /// An area needs at least three corners and some time.
     Empty,
     /// An area has more corners than it may.
     TooManyCorners(usize),
@@ -170,17 +170,17 @@ pub enum AreaRefusal {
     NoExits,
 }
 
-/// Why a kind of robots is not added, replaced or removed.
+/// Why a robot kind is not added, replaced or removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum KindRefusal {
     /// The site's file has a kind of this name.
     OfSite,
     /// No kind of this name was added.
     Unknown,
-    /// So many robots are of the kind, or were when they left: they may come back.
+    /// This many robots are of the kind, or were when they left and may come back.
     InUse(usize),
-    /// Its outlines reach beyond those for which the map was drawn.
+    /// The kind's outlines reach beyond those for which the map was drawn.
     TooLarge,
-    /// Holds on this floor are too short for it.
+    /// Holds on this floor are too short for the kind.
     Clearance,
 }

@@ -1,7 +1,7 @@
 //! Regions around people for each kind of robots, and the conditions that follow from them.
 //!
-//! Main types: [`KindRegions`], [`KindConditions`]. Kinds of the same speeds, brakes and footprints share theirs, so a
-//! fleet of one kind works each out once. Refuses: to look at people.
+//! Main types: [`KindRegions`], [`KindConditions`]. Kinds with the same speeds, brakes and footprints share theirs, so
+//! a fleet of one kind computes each once. Refuses: to look at people.
 
 use crate::state::kind::{RobotKind, most_dangerous};
 use giveway_floor::id::{BodyId, IdVec, NodeId};
@@ -10,7 +10,7 @@ use giveway_floor::time::Span;
 use giveway_floor::warehouse::Warehouse;
 use giveway_people::aware::Regions;
 
-/// Radii and speeds near people, by kind.
+/// Radii and speeds near people, by robot kind.
 #[derive(Clone, Debug)]
 pub struct KindRegions {
     sets: Vec<Regions>,
@@ -18,7 +18,8 @@ pub struct KindRegions {
 }
 
 impl KindRegions {
-    /// Those of the kinds in a building. Kinds that the building does not tell apart get those of the most dangerous.
+    /// The regions of the kinds in a building. Kinds that the building does not tell apart get those of the most
+    /// dangerous.
     pub fn new(warehouse: &Warehouse, all_kinds: &[RobotKind], period: Span) -> KindRegions {
         let period_s = period.as_secs_f64();
         let mut all = KindRegions { sets: Vec::new(), of: IdVec::new() };
@@ -37,12 +38,12 @@ impl KindRegions {
         all
     }
 
-    /// All that differ, in the order of [`KindConditions::with_regions`].
+    /// All regions that differ, in the order of [`KindConditions::with_regions`].
     pub fn all(&self) -> &[Regions] {
         &self.sets
     }
 
-    /// Those of a kind.
+    /// The regions of a kind.
     pub fn of(&self, body: BodyId) -> &Regions {
         &self.sets[self.of[body]]
     }
@@ -66,18 +67,18 @@ pub struct KindConditions {
 }
 
 impl KindConditions {
-    /// None yet.
+    /// No conditions yet.
     pub fn none(warehouse: &Warehouse, regions: &KindRegions) -> KindConditions {
         let sets = regions.sets.iter().map(|_| Conditions::none(warehouse)).collect();
         KindConditions { sets, of: regions.of.clone() }
     }
 
-    /// Those for robots of a kind.
+    /// The conditions for robots of a kind.
     pub fn of(&self, body: BodyId) -> &Conditions {
         &self.sets[self.of[body]]
     }
 
-    /// Each set with the regions that it follows from.
+    /// Each set of conditions with the regions that it follows from.
     pub fn with_regions<'a>(
         &'a mut self,
         regions: &'a KindRegions,
@@ -86,48 +87,48 @@ impl KindConditions {
         self.sets.iter_mut().zip(&regions.sets)
     }
 
-    /// All sets.
+    /// All sets of conditions.
     pub fn all(&self) -> impl Iterator<Item = &Conditions> {
         self.sets.iter()
     }
 
-    /// All sets, for what holds for every robot.
+    /// All sets of conditions, to change what holds for every robot.
     pub fn all_mut(&mut self) -> impl Iterator<Item = &mut Conditions> {
         self.sets.iter_mut()
     }
 
-    /// Adds all that pass with the step of another one, kind by kind.
+    /// Adds the conditions of another value that pass with the step, kind by kind.
     pub fn include(&mut self, other: &KindConditions) {
         assert_eq!(self.sets.len(), other.sets.len(), "conditions of the same kinds");
         self.sets.iter_mut().zip(&other.sets).for_each(|(set, other)| set.include(other));
     }
 
-    /// Adds one that passes with the step, for every robot.
+    /// Adds a condition that passes with the step, for every robot.
     pub fn add(&mut self, node: NodeId, condition: Condition) {
         self.sets.iter_mut().for_each(|set| set.add(node, condition));
     }
 
-    /// Adds one that lasts until it is lifted, for every robot.
+    /// Adds a condition that lasts until it is lifted, for every robot.
     pub fn announce(&mut self, node: NodeId, condition: Condition) {
         self.sets.iter_mut().for_each(|set| set.announce(node, condition));
     }
 
-    /// Takes the lasting ones of a cause back from a node, for every robot.
+    /// Takes the lasting conditions of a cause back from a node, for every robot.
     pub fn lift(&mut self, node: NodeId, cause: Cause) {
         self.sets.iter_mut().for_each(|set| set.lift(node, cause));
     }
 
-    /// Takes the passing ones of a cause back, for every robot.
+    /// Takes the passing conditions of a cause back, for every robot.
     pub fn withdraw(&mut self, cause: Cause) {
         self.sets.iter_mut().for_each(|set| set.withdraw(cause));
     }
 
-    /// Whether there are none for any robot.
+    /// Whether there are no conditions for any robot.
     pub fn is_empty(&self) -> bool {
         self.sets.iter().all(Conditions::is_empty)
     }
 
-    /// Whether any pass with the step.
+    /// Whether any condition passes with the step.
     pub fn has_passing(&self) -> bool {
         self.sets.iter().any(Conditions::has_passing)
     }

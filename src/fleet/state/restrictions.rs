@@ -1,4 +1,4 @@
-//! What people, closed areas and displaced robots mean for robots in this step: the result of evaluating people, which
+//! How people, closed areas and displaced robots restrict robots in this step: the result of evaluating people, which
 //! the search, the grants and dispatch read.
 //!
 //! Main type: [`Restrictions`]. Refuses: to say what a robot does about it.
@@ -18,54 +18,54 @@ use std::sync::Arc;
 /// Where robots may not go, or only at a price, from now on.
 #[derive(Clone, Debug)]
 pub struct Restrictions {
-    /// For each node, what binds robots of each kind there and when.
+    /// For each node, the conditions that bind robots of each kind there, and when.
     pub conditions: KindConditions,
     /// Announced closures.
     pub areas: Areas,
-    /// Nodes that are as good as closed, with when that began: a person or a displaced robot has been standing there
-    /// for long, or a robot found the node obstructed.
+    /// Nodes that count as closed, with when that began: a person or a displaced robot has been standing there for
+    /// long, or a robot found the node obstructed.
     pub closing: BTreeMap<NodeId, Time>,
-    /// What robots that cannot drive cut off.
+    /// What closed areas and robots that cannot drive cut off.
     pub cut_off: Arc<CutOff>,
     /// Where each worker is, if on the floor.
     pub workers: IdVec<WorkerId, Option<Whereabouts>>,
     /// Nodes on the ways of workers to the doors while the building is evacuated.
     pub ways_out: BTreeSet<NodeId>,
-    /// Robots that may move meanwhile.
+    /// Robots that may move while the building is evacuated.
     pub clears_ways_out: BTreeSet<RobotId>,
     /// Workers who stand to let a robot pass.
     pub let_pass: BTreeSet<WorkerId>,
-    /// Where else they may be, if their sources do not agree.
+    /// Where else workers may be, if their sources do not agree.
     pub others: Vec<(WorkerId, Whereabouts)>,
 }
 
 /// Nodes that one part of a step closes for robots of every kind.
 #[derive(Debug, Default)]
 pub struct ClosedNodes {
-    /// What binds robots there.
+    /// The conditions that bind robots on these nodes.
     pub conditions: Vec<(NodeId, Condition)>,
-    /// Nodes that are as good as closed, with when that began.
+    /// Nodes that count as closed, with when that began.
     pub since: Vec<(NodeId, Time)>,
 }
 
 /// The ways out of the building while it is evacuated.
 #[derive(Debug, Default)]
 pub struct ClearedWays {
-    /// Closes the nodes on them.
+    /// The closing of the nodes on the ways out.
     pub closing: ClosedNodes,
-    /// The nodes on them.
+    /// The nodes on the ways out.
     pub nodes: BTreeSet<NodeId>,
-    /// Robots that may move meanwhile.
+    /// Robots that may move while the building is evacuated.
     pub clears: BTreeSet<RobotId>,
 }
 
-/// What the parts of a step find that restricts robots, each by itself.
+/// What the parts of a step find, each by itself, that restricts robots.
 pub struct FoundRestrictions<'a> {
-    /// What workers mean for robots, node by node.
+    /// The conditions for robots that workers cause, node by node.
     pub conditions: &'a KindConditions,
     /// Where each worker is, if on the floor.
     pub workers: IdVec<WorkerId, Option<Whereabouts>>,
-    /// Where else they may be.
+    /// Where else workers may be.
     pub others: Vec<(WorkerId, Whereabouts)>,
     /// Workers who stand to let a robot pass.
     pub let_pass: BTreeSet<WorkerId>,
@@ -77,13 +77,13 @@ pub struct FoundRestrictions<'a> {
     pub obstructed: ClosedNodes,
     /// The ways out.
     pub ways_out: ClearedWays,
-    /// What robots that cannot drive cut off, where that has changed.
+    /// What closed areas and robots that cannot drive cut off, if that has changed.
     pub cut_off: Option<CutOff>,
 }
 
 impl Restrictions {
-    /// Takes in what the parts of a step found, in place of what they found in the step before. Announced closures,
-    /// which last, are in the conditions already.
+    /// Takes in what the parts of a step found, in place of what they found in the step before. Announced closures
+    /// last, and are in the conditions already.
     pub fn merge(&mut self, found: FoundRestrictions<'_>) {
         self.conditions.include(found.conditions);
         (self.workers, self.others, self.let_pass) = (found.workers, found.others, found.let_pass);
@@ -110,7 +110,7 @@ impl Restrictions {
         self.closing.extend(part.since);
     }
 
-    /// Nothing restricts robots.
+    /// No restrictions.
     pub fn none(warehouse: &Warehouse, regions: &KindRegions) -> Restrictions {
         Restrictions {
             conditions: KindConditions::none(warehouse, regions),
@@ -125,8 +125,8 @@ impl Restrictions {
         }
     }
 
-    /// Begins anew with conditions for other kinds of robots. Announced closures are announced to them when
-    /// restrictions are renewed next.
+    /// Begins again with conditions for other robot kinds. Announced closures are announced to these when restrictions
+    /// are next renewed.
     pub fn refit(&mut self, warehouse: &Warehouse, regions: &KindRegions) {
         self.conditions = KindConditions::none(warehouse, regions);
         self.areas.announce_anew();
@@ -137,7 +137,7 @@ impl Restrictions {
         self.workers.get(worker)?.as_ref()
     }
 
-    /// The place nearest to a point of those where a worker may be, if on the floor.
+    /// Of all places where a worker may be, the one nearest to a point; nothing if the worker is not on the floor.
     pub fn nearest_place(&self, worker: WorkerId, to: Point) -> Option<Point> {
         let others = self.others.iter().filter(|(w, _)| *w == worker).map(|(_, place)| place.at);
         let all = self.whereabouts(worker).map(|w| w.at).into_iter().chain(others);
@@ -154,7 +154,7 @@ impl Restrictions {
         self.closes(node).is_some()
     }
 
-    /// Nodes that are closed, will be soon, or are as good as closed.
+    /// Nodes that are closed, will be soon, or count as closed.
     pub fn closing_nodes(&self) -> BTreeSet<NodeId> {
         self.areas.nodes().chain(self.closing.keys().copied()).collect()
     }

@@ -1,5 +1,5 @@
-//! The clock of a robot, as its reports show it: measured by when they come in, and believed about nothing but how old
-//! a report is.
+//! A robot's clock, as its reports show it: measured by when they come in, and trusted for nothing but how old a report
+//! is.
 //!
 //! Main types: [`RobotClock`], [`ReportOrder`] (which reports of a robot are news: those with a number above
 //! all before).
@@ -7,22 +7,22 @@
 
 use giveway_floor::time::{Span, Time};
 
-/// A date that is further ahead of the clock as measured is wrong, or the clock was set.
+/// A date further ahead of the measured clock than this is wrong, or the clock was set.
 const FAR: Span = Span::from_secs(60);
 
-/// After so many reports in a row that say so, the clock was set.
+/// After this many reports in a row that are dated far ahead, the clock was set.
 const AGREE: u32 = 10;
 
-/// Clocks run at most so unevenly: the measured difference shrinks by this share of the time that goes by.
+/// How unevenly clocks run at most: the measured lead shrinks by this share of the elapsed time.
 const DRIFT: f64 = 1e-4;
 
 /// How far a robot's clock is ahead of the fleet's own.
 #[derive(Clone, Copy, Debug)]
 struct RobotClock {
-    /// The most that dates were ahead of when they came in: those that came in fastest.
+    /// The largest lead of a report's date over its time of arrival: that of the fastest reports.
     ahead: Span,
     at: Time,
-    /// How many reports in a row were dated far ahead of that.
+    /// How many reports in a row were dated far ahead of that lead.
     odd: u32,
 }
 
@@ -31,7 +31,7 @@ impl RobotClock {
         RobotClock { ahead: date - now, at: now, odd: 0 }
     }
 
-    /// The date of a report, or what it would be by the clock as measured, if it is too far ahead.
+    /// The date of a report or, if it is too far ahead, what the date would be by the measured clock.
     fn believe(&mut self, date: Time, now: Time) -> Time {
         let by_arrival = date - now;
         let elapsed_s = (now - self.at).max(Span::ZERO).as_secs_f64();
@@ -51,7 +51,7 @@ impl RobotClock {
     }
 }
 
-/// In which order a robot made its reports, and when.
+/// In which order a robot made its reports, and when it made them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportOrder {
     clock: Option<RobotClock>,
@@ -60,7 +60,7 @@ pub struct ReportOrder {
 }
 
 impl ReportOrder {
-    /// When a report that came in `now` was made, in the fleet's own time; nothing if a later one came in before.
+    /// When a report that came in at `now` was made, in the fleet's own time; nothing if a later one came in before it.
     pub fn take(&mut self, seq: u64, date: Time, now: Time) -> Option<Time> {
         if self.newest.is_some_and(|(newest, _)| seq <= newest) {
             return None;
@@ -78,7 +78,7 @@ impl ReportOrder {
 mod tests {
     use super::*;
 
-    /// How old each report seems, ms; they come in at once, every 100 ms, dated by so much less or more than that.
+    /// How old each report seems, ms; one comes in every 100 ms without delay, dated this much ahead of that time.
     fn ages(ahead_ms: impl IntoIterator<Item = i64>) -> Vec<i64> {
         let mut order = ReportOrder::default();
         let take = |(i, ms): (usize, i64)| {

@@ -11,65 +11,65 @@ use giveway_floor::id::{Dense, RobotId};
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// After this long without an observation a robot is silent: it gets no new grants.
+/// A robot without an observation for this long is silent: it gets no new grants.
 pub const SILENCE: Span = Span::from_secs(3);
-/// A robot that may drive, and stands for so long by its own word, is kept from it by something: its scanner sees what
-/// the fleet does not know of. Turning on the spot takes less.
+/// If a robot that may drive has stood for this long by its own reports, something keeps it from driving: its scanner
+/// sees what the fleet does not know of. Turning on the spot takes less.
 const KEPT: Span = Span::from_secs(15);
 
-/// One robot as it is seen.
+/// What is seen of one robot.
 #[derive(Clone, Debug, Default)]
 pub struct RobotSeen {
     /// The newest observation.
     pub newest: Option<Telemetry>,
-    /// When that came in, by the fleet's own clock: robots' clocks may be wrong.
+    /// When the newest observation came in, by the fleet's own clock: robots' clocks may be wrong.
     heard: Option<Time>,
-    /// Which of its reports are news.
+    /// Which of the robot's reports are news.
     order: ReportOrder,
-    /// How it is at its link, where that is not as usual.
+    /// The state of the robot's link, if it is not as usual.
     link: Option<Box<LinkState>>,
-    /// When its link came up again last.
+    /// When the robot's link last came up again.
     up: Option<Time>,
-    /// How long it has stood where it does, if it stands.
+    /// How long the robot has stood in its place, if it stands.
     still: Option<StandsStill>,
-    /// When orders were sent to it last.
+    /// When orders were last sent to the robot.
     pub told: Option<Time>,
-    /// Whether it was found once where the ledger has it.
+    /// Whether the robot was found where the ledger has it, and not elsewhere since.
     placed: bool,
-    /// How far it has driven, metres: the sum of the steps between its poses.
+    /// How far the robot has driven, metres: the sum of the steps between its poses.
     driven_m: f64,
 }
 
-/// A robot that stands where it does.
+/// How long a robot has stood in its place.
 #[derive(Clone, Copy, Debug)]
 struct StandsStill {
-    /// For how long of that it had more to drive and was not told to stand. A stop or a revoked grant in between does
-    /// not begin this anew: a robot before whose scanner stands a person whom the fleet believes beside it is stopped,
-    /// called back and released by turns.
+    /// How long of that time the robot had more to drive and was not told to stand. A stop or a revoked grant in
+    /// between does not restart this: a robot whose scanner sees a person whom the fleet believes beside it is stopped,
+    /// called back and released in turn.
     free: Span,
-    /// When it said so last.
+    /// When the robot last reported that it stands.
     said: Time,
 }
 
-/// All robots as they are seen.
+/// What is seen of all robots.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     robots: Vec<RobotSeen>,
-    /// Robots that say that something is wrong with them.
+    /// Robots that report a fault.
     faulty: BTreeSet<RobotId>,
     /// Robots that have stood for [`KEPT`] though they may drive.
     kept: BTreeSet<RobotId>,
-    /// Robots that pass people beside the line: they may stand there without anything that keeps them.
+    /// Robots that pass people beside the line: they may stand there though nothing keeps them.
     passing: BTreeSet<RobotId>,
     /// Robots that cannot go on from where they stand.
     displaced: BTreeMap<RobotId, Displaced>,
-    /// Since when anything could be seen.
+    /// When the first step was.
     began: Option<Time>,
 }
 
 impl Scene {
-    /// Takes an observation in that arrived `now`; one that was overtaken is ignored. Its date says how old it is, as
-    /// far as the robot's clock can be trusted with that; from here on it is one of the fleet's own time.
+    /// Takes in an observation that arrived at `now`; one that was overtaken is ignored. Its date says how old it is,
+    /// as far as the robot's clock can be trusted; from here on, the date is in the fleet's own time.
     pub fn see(&mut self, t: Telemetry, now: Time) {
         let seen = self.robot_mut(t.robot);
         let Some(made) = seen.order.take(t.seq, t.seen, now) else { return };
@@ -80,7 +80,7 @@ impl Scene {
         let is_free = may_drive && t.limit_mps != Some(0.0);
         let since = before.filter(|_| is_free).map_or(Span::ZERO, |b| now - b.said);
         let free = before.map_or(Span::ZERO, |b| b.free) + since;
-        // One that was found kept begins anew when it has forgotten its way.
+        // The time of a robot that was kept from driving restarts when it has forgotten its way.
         seen.still = (t.stands() && (may_drive || free < KEPT)).then_some(StandsStill { free, said: now });
         seen.driven_m += seen.newest.filter(|_| !t.stands()).map_or(0.0, |n| (t.pose.at - n.pose.at).norm());
         let before = seen.newest.replace(t).and_then(|n| n.fault);
@@ -95,8 +95,8 @@ impl Scene {
         }
     }
 
-    /// Forgets what was seen of a robot: it is another one, or stands elsewhere. Reports that are still under way from
-    /// before stay overtaken.
+    /// Forgets what was seen of a robot that is another one now, or stands elsewhere. Reports that are still under way
+    /// from before stay overtaken.
     pub fn forget(&mut self, robot: RobotId) {
         let seen = self.robot_mut(robot);
         *seen = RobotSeen { order: seen.order, link: seen.link.take(), ..RobotSeen::default() };
@@ -106,7 +106,7 @@ impl Scene {
         self.displaced.remove(&robot);
     }
 
-    /// How links are, and which reports are news, as another fleet of the same robots heard it.
+    /// Takes over the states of links, and which reports are news, from another fleet of the same robots.
     pub fn keep_links_of(&mut self, before: &Scene) {
         for (i, was) in before.robots.iter().enumerate() {
             let seen = self.robot_mut(RobotId::at(i));
@@ -114,17 +114,17 @@ impl Scene {
         }
     }
 
-    /// Since when anything could be seen; nothing before the first step.
+    /// When the first step was; nothing before it.
     pub fn began(&self) -> Option<Time> {
         self.began
     }
 
-    /// A step begins.
+    /// Notes that a step begins.
     pub fn begin(&mut self, now: Time) {
         self.began.get_or_insert(now);
     }
 
-    /// A robot as it is seen.
+    /// The newest observation of a robot.
     pub fn robot(&self, robot: RobotId) -> Option<&Telemetry> {
         self.robots.get(robot.ix())?.newest.as_ref()
     }
@@ -139,12 +139,12 @@ impl Scene {
         self.robots.get(robot.ix())?.heard
     }
 
-    /// When orders were sent to a robot last.
+    /// When orders were last sent to a robot.
     pub fn told(&self, robot: RobotId) -> Option<Time> {
         self.robots.get(robot.ix())?.told
     }
 
-    /// A link says how it is with a robot there.
+    /// Takes a link's report of its state for a robot.
     pub fn hear_link(&mut self, robot: RobotId, state: LinkState, now: Time) {
         let is_usual = state == LinkState::default();
         let comes_up = state.connected && !self.is_connected(robot);
@@ -153,7 +153,7 @@ impl Scene {
         seen.link = (!is_usual).then(|| Box::new(state));
     }
 
-    /// How it is with a robot at its link; nothing where it is as usual.
+    /// The state of a robot's link; nothing if it is as usual.
     pub fn link(&self, robot: RobotId) -> Option<&LinkState> {
         self.robots.get(robot.ix())?.link.as_deref()
     }
@@ -163,44 +163,44 @@ impl Scene {
         self.link(robot).is_none_or(|link| link.connected)
     }
 
-    /// When the newest observation of a robot came in, or its link came up after that: it was silent before, whatever
-    /// it had to say.
+    /// Since when a robot has been silent: since its newest observation or, if later, since its link came up. Before
+    /// that it was silent whatever it had to say.
     pub fn silent_since(&self, robot: RobotId) -> Option<Time> {
         let seen = self.robots.get(robot.ix())?;
         seen.heard.max(seen.up)
     }
 
-    /// Whether the link of a robot takes no orders for it.
+    /// Whether a robot's link takes no orders for it.
     pub fn is_refused(&self, robot: RobotId) -> bool {
         self.link(robot).is_some_and(|link| link.refuses.is_some())
     }
 
-    /// A robot that was heard of lately, can drive and takes orders.
+    /// The newest observation of a robot that was heard of lately, can drive and takes orders.
     pub fn fit(&self, robot: RobotId, now: Time) -> Option<&Telemetry> {
         let takes_orders = |t: &&Telemetry| !t.cannot_drive() && !self.is_refused(robot);
         self.robot(robot).filter(takes_orders).filter(|_| self.is_heard(robot, now))
     }
 
-    /// Robots that say that something is wrong with them, with what, if they were heard of lately and can drive.
+    /// Robots that report a fault, each with the fault, if they were heard of lately and can drive.
     pub fn faults(&self, now: Time) -> Vec<(RobotId, Fault)> {
         let fault = |r: &RobotId| Some((*r, self.fit(*r, now)?.fault?));
         self.faulty.iter().filter_map(fault).collect()
     }
 
-    /// Robots that something keeps from driving, by their own word or because they stand for long though they may
-    /// drive, if they were heard of lately.
+    /// Robots that something keeps from driving, by their own report or because they have stood for long though they
+    /// may drive, if they were heard of lately.
     pub fn kept_from_driving(&self, now: Time) -> Vec<RobotId> {
         let suspects = self.faulty.union(&self.kept).copied();
         suspects.filter(|r| self.is_kept_from_driving(*r, now)).collect()
     }
 
-    /// Whether something keeps a robot from driving, likewise.
+    /// Whether something keeps a robot from driving, by its own report or because it has stood for long though it may.
     pub fn is_kept_from_driving(&self, robot: RobotId, now: Time) -> bool {
         let Some(seen) = self.fit(robot, now) else { return false };
         seen.fault == Some(Fault::Obstructed) || self.kept.contains(&robot) && !self.passing.contains(&robot)
     }
 
-    /// A robot passes people beside the line from now on, or does not any more.
+    /// Notes whether a robot passes people beside the line.
     pub fn set_passing(&mut self, robot: RobotId, passes: bool) {
         match passes {
             true => _ = self.passing.insert(robot),
@@ -218,20 +218,20 @@ impl Scene {
         self.robots.get(robot.ix()).is_some_and(|r| r.placed)
     }
 
-    /// A robot is where the ledger has it. What was wrong before, if anything was.
+    /// Notes that a robot is where the ledger has it. Returns what was wrong before, if anything was.
     pub fn place(&mut self, robot: RobotId) -> Option<Displaced> {
         debug_assert!(self.robot(robot).is_some(), "{robot:?} is placed and was never seen");
         self.robot_mut(robot).placed = true;
         self.displaced.remove(&robot)
     }
 
-    /// A robot cannot go on from where it stands.
+    /// Notes that a robot cannot go on from where it stands.
     pub fn displace(&mut self, robot: RobotId, how: Displaced) {
         self.robot_mut(robot).placed = false;
         self.displaced.insert(robot, how);
     }
 
-    /// How it is with a robot that cannot go on from where it stands.
+    /// Why a robot cannot go on from where it stands, if that is so.
     pub fn displaced(&self, robot: RobotId) -> Option<&Displaced> {
         self.displaced.get(&robot)
     }
@@ -262,7 +262,7 @@ mod tests {
         reports(limits.into_iter().map(|limit| (limit, 5)))
     }
 
-    /// Likewise, each with the visit up to which it knows its way.
+    /// Reports of a robot that stands, one each second, each with a limit and the last visit that it knows.
     fn reports(reports: impl IntoIterator<Item = (Option<f64>, u64)>) -> (Scene, Time) {
         let (mut scene, mut now) = (Scene::default(), Time::ZERO);
         for (limit_mps, known) in reports {

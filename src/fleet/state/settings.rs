@@ -1,5 +1,5 @@
-//! What never changes while a fleet runs: kinds of robots of the site, control period, budgets, limits, the policy
-//! about people.
+//! What never changes while a fleet runs: robot kinds of the site, control period, budgets, limits, the policy for
+//! people.
 //!
 //! Main types: [`Settings`], [`FloorLimits`]. Refuses: to be changed by requests.
 
@@ -16,8 +16,8 @@ use std::sync::Arc;
 /// Settings of the core. They never change while it runs.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The kinds of robots with which an empty ledger begins, at least one, each with a name of its own: those of the
-    /// site. All kinds that there are, also those that were added, are in the ledger.
+    /// The robot kinds of the site, with which an empty ledger begins: at least one, each with a unique name. The
+    /// ledger has all kinds, including those that were added.
     pub site_kinds: Vec<RobotKind>,
     /// The names of the links by which robots are reached.
     pub links: Vec<String>,
@@ -27,32 +27,32 @@ pub struct Settings {
     pub expansions_per_plan: u32,
     /// Labels that all searches of one step may expand together.
     pub expansions_per_step: u32,
-    /// How much of everything there may be.
+    /// How much of everything the fleet accepts.
     pub limits: FloorLimits,
     /// How the fleet deals with people.
     pub policy: HumanAwarePolicy,
-    /// How our own policy recognises intentions; [`Method::Chapter3Tiles`] on floors that fit it only.
+    /// How our own policy recognises intents; [`Method::Chapter3Tiles`] on floors that fit it only.
     pub method: Method,
-    /// How our own policy finds out when a worker takes a node.
+    /// How our own policy determines when a worker takes a node.
     pub node_windows: NodeWindows,
-    /// What is made of order lines and hands at work cells.
+    /// How order lines and hands at work cells are used.
     pub flow: Flow,
     /// When robot arms move beside pickers.
     pub arm_mode: ArmMode,
-    /// What a second of a worker is worth, in seconds of a robot: a robot that waits for a worker goes first where
-    /// that costs less ([`HumanAwarePolicy::Giveway`] only).
+    /// What a second of a worker is worth, in seconds of a robot: a robot that waits for a worker goes first if that
+    /// costs less ([`HumanAwarePolicy::Giveway`] only).
     pub worker_price: f64,
     /// What was learned about people.
     pub model: Arc<Model>,
-    /// What was learned of people who reach for slots.
+    /// What was learned about people who reach for slots.
     pub picks: Arc<PickModel>,
     /// Robots pass through one another: only for the bound on throughput.
     pub without_conflicts: bool,
-    /// Reads any clock in nanoseconds, to tell how long searches take. Nothing is ever decided by it.
+    /// Reads any clock in nanoseconds, to measure how long searches take. It decides nothing.
     pub stopwatch: fn() -> u64,
 }
 
-/// How much of everything there may be on a floor. A request beyond a limit is refused with it.
+/// How much of everything a floor accepts. A request beyond a limit is refused, and the refusal names the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FloorLimits {
     /// How many jobs may be open.
@@ -67,7 +67,7 @@ pub struct FloorLimits {
     pub closures: usize,
     /// How many closures may recur.
     pub recurring_closures: usize,
-    /// After how many others a job may come.
+    /// How many other jobs a job may come after.
     pub after: usize,
     /// How many corners an area may have.
     pub corners: usize,

@@ -1,6 +1,6 @@
-//! Where racks are put and where robots rest: near where a rack is likely to be wanted next, near where a robot is.
+//! Where racks are put and where robots rest: near where a rack is probably wanted next, near where a robot is.
 //!
-//! Main function: `best_storage`. Questions alone: dispatch asks, and so does traffic where no route leads to a place.
+//! Main function: `best_storage`. Queries alone: dispatch uses them, and so does traffic if no route leads to a place.
 //! Refuses: places that are taken or promised.
 
 use crate::state::floor::Floor;
@@ -8,14 +8,14 @@ use crate::state::storage::along_axes;
 use giveway_floor::id::{NodeId, RackId, RobotId};
 use giveway_floor::warehouse::NodeKind;
 
-/// What it costs to put a rack where no robot can fetch it for a while, metres: more than any way.
+/// Cost of putting a rack where no robot can fetch it for a while, metres: more than any way.
 const CLOSED_M: f64 = 1e6;
 
 impl Floor<'_> {
-    /// The storage node for a rack that comes from `from`: the way there now, plus the way from there to a station
-    /// as often as the rack is wanted, minus what the place is worth to other racks. `choice` counts down the list,
-    /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are
-    /// closed by hand, or will be soon, and those that a broken robot cuts off come last.
+    /// The storage node for a rack that comes from `from`. Its cost is the way there now, plus the way from there to a
+    /// station as often as the rack is wanted, minus what the place is worth to other racks. `choice` counts down the
+    /// list, for a robot that found no way to the first node. The robot's own node is among the candidates; nodes that
+    /// are closed by hand, or will be soon, and nodes that a broken robot cuts off come last.
     pub(crate) fn best_storage(&self, robot: RobotId, rack: RackId, from: NodeId, choice: usize) -> NodeId {
         let heat = self.ledger.wishes.heat(rack);
         let at = |n: NodeId| self.warehouse().nodes[n].at;
@@ -38,8 +38,8 @@ impl Floor<'_> {
         self.nearest_free(robot, kind, |_| true)
     }
 
-    /// The nearest places, so many at most, where a robot can stay with what it carries, and that fit: storage without
-    /// a rack if it carries one, else parking, chargers and storage.
+    /// The nearest places, `most` at most, that fit and where a robot can stay with what it carries: storage without a
+    /// rack if it carries one, otherwise parking, chargers and storage.
     pub(crate) fn stays_near(
         &self,
         robot: RobotId,
@@ -77,7 +77,7 @@ impl Floor<'_> {
             .or_else(|| self.free_place(robot, NodeKind::Storage))
     }
 
-    /// A place where an unloaded robot can stay that is in the way of no rack: parking, else storage that has none.
+    /// A place where an unloaded robot can stay and is in the way of no rack: parking, else storage without a rack.
     pub(crate) fn place_without_rack(&self, robot: RobotId) -> Option<NodeId> {
         let parking = self.free_place(robot, NodeKind::Parking);
         parking.or_else(|| self.storage_without_rack(robot))

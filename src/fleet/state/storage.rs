@@ -1,4 +1,4 @@
-//! What the map says about storage, worked out once.
+//! What the map says about storage, computed once.
 //!
 //! Main type: [`Storage`]. Refuses: to know what stands where.
 
@@ -10,7 +10,7 @@ use giveway_floor::warehouse::{NodeKind, Warehouse};
 #[derive(Clone, Debug)]
 pub struct Storage {
     pub nodes: Vec<NodeId>,
-    /// For each node, metres to the nearest station (along the axes).
+    /// For each node, the distance to the nearest station along the axes, metres.
     pub to_station_m: IdVec<NodeId, f64>,
 }
 
@@ -27,7 +27,7 @@ impl Storage {
     }
 }
 
-/// Distance along the map's axes, metres: a cheap stand-in for the way on a grid of aisles.
+/// Distance along the map's axes, metres: a cheap estimate of the way on a grid of aisles.
 pub(crate) fn along_axes(a: Point, b: Point) -> f64 {
     (a.x - b.x).abs() + (a.y - b.y).abs()
 }

@@ -1,4 +1,4 @@
-//! What tasks, stops, stations and assignments mean: the questions about them that several rooms ask.
+//! What tasks, stops, stations and assignments mean: queries that several parts of the core share.
 //!
 //! Refuses: to change anything.
 
@@ -11,19 +11,20 @@ use giveway_floor::id::{AssignmentId, NodeId, RackId, RobotId, StationId, Worker
 use giveway_floor::warehouse::NodeKind;
 
 impl Floor<'_> {
-    /// Whether a robot is to stand, by itself or with all others, or since it is fenced off.
+    /// Whether a robot is to stand: it is paused or fenced off, all robots are stopped, or it stands by in an
+    /// evacuation.
     pub fn is_halted(&self, robot: RobotId) -> bool {
         let record = &self.ledger.robots[robot];
         let by_hand = self.ledger.stopped.is_some() || record.paused.is_some() || record.fenced.is_some();
         by_hand || self.stands_by(robot)
     }
 
-    /// Whether a robot stands because the building is evacuated, and it is in nobody's way.
+    /// Whether a robot stands because the building is evacuated and it is in no one's way.
     pub fn stands_by(&self, robot: RobotId) -> bool {
         self.ledger.evacuation.is_some() && !self.restrictions.clears_ways_out.contains(&robot)
     }
 
-    /// Whether a robot may drive up to its next stop already, and will do there what it was told.
+    /// Whether a robot may already drive up to its next stop, and so will do there what it was told.
     pub fn next_stop_is_granted(&self, robot: RobotId) -> bool {
         let next = self.ledger.robots[robot].stops.first();
         next.is_some_and(|s| s.serial < self.ledger.chain(robot).granted())
@@ -44,12 +45,12 @@ impl Floor<'_> {
             || places.is_wanted_for_another(node, rack)
     }
 
-    /// Whether another robot stands on, or is sent to, a node.
+    /// Whether another robot stands on a node or is sent to it.
     pub fn is_promised(&self, node: NodeId, robot: RobotId) -> bool {
         self.ledger.index().places.is_promised(node, robot)
     }
 
-    /// Whether a robot stands at a charger, and does not say that it gets no current there.
+    /// Whether a robot stands at a charger and does not report that it gets no current there.
     pub fn at_charger(&self, robot: RobotId) -> bool {
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].kind;
         let gets_none = || self.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Unplugged));
@@ -74,14 +75,14 @@ impl Floor<'_> {
         self.is_shut_off(rack_at) || goal.is_some_and(|n| self.is_shut_off(n)) || is_blocked()
     }
 
-    /// What a robot does at the stop where it is, if that is not done yet.
+    /// The action of a robot at the stop where it is, if that is not done yet.
     pub fn act_here(&self, robot: RobotId) -> Option<Act> {
         let here = self.ledger.chain(robot).first();
         let stop = self.ledger.robots[robot].stops.first().filter(|s| s.serial == here)?;
         (stop.act != Act::Arrive).then_some(stop.act)
     }
 
-    /// Whether the stops ahead are not those of the task.
+    /// Whether a robot needs a route: the stops ahead are not those of its task. A failed robot needs none.
     pub fn lacks_route(&self, robot: RobotId) -> bool {
         let record = &self.ledger.robots[robot];
         if record.failed {
@@ -120,7 +121,7 @@ impl Floor<'_> {
         here == NodeKind::Storage && self.station_of(robot).is_some() && self.lacks_route(robot)
     }
 
-    /// The assignment that a worker is at, or is to begin.
+    /// The assignment that a worker is carrying out, or is to begin next.
     pub fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
         self.ledger.index().assignments_of(worker).next()
     }
@@ -135,7 +136,7 @@ impl Floor<'_> {
         self.battery(robot) < self.charging(robot).critical
     }
 
-    /// When robots like this one charge.
+    /// When robots of this robot's kind charge.
     pub(crate) fn charging(&self, robot: RobotId) -> &Charging {
         &self.kind(robot).charging
     }

@@ -1,9 +1,9 @@
 //! Turns at stations: each robot that has lifted a rack for a station has a ticket, in the order of lifting.
 //!
-//! Main types: [`Tickets`], [`Ticket`]. A station has as many places as its queue and one more. A place goes to the
-//! robot with the oldest ticket, and no robot overtakes another unless that one lies still. Lost at a restart: robots
-//! that carry racks then get new tickets, in the order of their numbers. Refuses: to look for routes, and to take away
-//! a place for which a robot has a route.
+//! Main types: [`Tickets`], [`Ticket`]. A station has one place more than its queue. A place goes to the robot with the
+//! oldest ticket, and no robot overtakes another unless that one lies still. Lost at a restart: robots that carry racks
+//! then get new tickets, in the order of their numbers. Refuses: to search for routes, and to take away a place for
+//! which a robot has a route.
 
 use super::floor::Floor;
 use giveway_floor::id::{IdVec, RobotId, StationId};
@@ -18,16 +18,16 @@ pub(crate) const LAPSE: Span = Span::from_secs(60);
 /// A robot's turn at a station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ticket {
-    /// The station to which it carries its rack.
+    /// The station to which the robot carries its rack.
     pub station: StationId,
-    /// When it lifted the rack.
+    /// When the robot lifted the rack.
     pub since: Time,
-    /// When its place lapsed. It comes after all others until as long has passed as it lay still.
+    /// When the robot's place lapsed. The robot comes after all others until as long has passed as it lay still.
     lapsed: Option<Time>,
 }
 
 impl Ticket {
-    /// What a robot's turn is ordered by.
+    /// The key by which robots' turns are ordered.
     pub fn turn(&self, robot: RobotId) -> (bool, Time, RobotId) {
         (self.lapsed.is_some(), self.since, robot)
     }
@@ -38,8 +38,8 @@ impl Ticket {
 pub struct Tickets(BTreeMap<RobotId, Ticket>);
 
 impl Tickets {
-    /// Gives tickets to robots that have lifted racks, and forgets those of robots that do not go to their station any
-    /// more. O(robots).
+    /// Gives tickets to robots that have lifted racks, and forgets the tickets of robots that no longer go to their
+    /// station. O(robots).
     pub fn note(&mut self, floor: Floor<'_>, now: Time) {
         self.0.retain(|robot, ticket| floor.station_of(*robot) == Some(ticket.station));
         for robot in floor.ledger.present() {
@@ -64,7 +64,7 @@ impl Tickets {
         self.0.iter().map(|(robot, ticket)| (*robot, *ticket))
     }
 
-    /// A robot loses the place that it was promised.
+    /// Takes from a robot the place that it was promised.
     pub fn lapse(&mut self, robot: RobotId, now: Time) {
         let ticket = self.0.get_mut(&robot).expect("only a robot with a ticket was promised a place");
         ticket.lapsed = Some(now);
@@ -72,16 +72,16 @@ impl Tickets {
 }
 
 impl Floor<'_> {
-    /// Whether a robot has stood for long, nothing that it waits for goes on by itself, and it is not to do anything
-    /// where it stands.
+    /// Whether a robot has stood for long, nothing that it waits for goes on by itself, and it has nothing to do where
+    /// it stands.
     pub fn has_no_prospect(&self, robot: RobotId, now: Time) -> bool {
         let wait = self.waits.robot(robot);
         let long = wait.standstill.or(wait.since.filter(|_| wait.is_for_an_operator()));
         !self.next_stop_is_granted(robot) && long.is_some_and(|since| now - since > LAPSE)
     }
 
-    /// For each station, how many of its places are taken: by robots that stand there, that have a route there, and
-    /// that have failed in its queue. A robot that has failed elsewhere takes none until it can go on.
+    /// For each station, how many of its places are taken: by robots that stand there, robots that have a route there,
+    /// and robots that have failed in its queue. A robot that has failed elsewhere takes none until it can go on.
     pub fn bound_for_stations(&self) -> IdVec<StationId, usize> {
         let mut bound = IdVec::filled(0, self.warehouse().stations.len());
         for robot in self.ledger.present() {

@@ -1,7 +1,7 @@
-//! What is kept in mind about visits at work cells: how long lines take, since when the one that is lit has been, and
-//! what the hands do.
+//! What is remembered about visits at work cells: how long lines take, since when the lit line has been lit, and what
+//! the hands do.
 //!
-//! Main type: [`Visits`]. Lost at a restart: the lit line begins anew then, and the pace is learned again. Refuses: to
+//! Main type: [`Visits`]. Lost at a restart: then the lit line begins anew, and the pace is learned again. Refuses: to
 //! promise anything.
 
 use crate::state::fact::{Fact, JobFact};
@@ -21,31 +21,31 @@ use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// A warning is shown for so long.
+/// How long a warning is shown.
 const WARNED: Span = Span::from_secs(2);
-/// For so long a station counts as shared after two persons were seen there.
+/// How long a station counts as shared after two people were seen there.
 const SHARED: Span = Span::from_millis(500);
-/// A piece that hand and button both confirm within this time is the same one.
+/// A piece that both the hand and a button confirm within this time is the same piece.
 const SAME_PIECE: Span = Span::from_secs(2);
-/// For so long after a visit a button for one of its lines is known to be for that.
+/// How long after a visit a button press for one of its lines is taken to belong to that visit.
 const ENDED: Span = Span::from_secs(3);
 
-/// A visit that is on.
+/// A visit in progress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct VisitClock {
-    /// When the rack came, unless that was before the program started.
+    /// When the rack came; nothing if that was before the program started.
     since: Option<Time>,
-    /// When the line that is lit was lit.
+    /// When the line that is lit now was lit.
     lit: Time,
-    /// When it had its last piece, or was lit.
+    /// When the lit line had its last piece, or was lit.
     last: Time,
-    /// Whether the program has seen the line from its beginning.
+    /// Whether the program has seen the lit line from its beginning.
     whole: bool,
-    /// The line that was done last, which nothing has been learned from yet.
+    /// The line that was done last, from which nothing has been learned yet.
     done: Option<DoneLine>,
-    /// When it was expected to end as it began: the time that one in ten ends before, half of them, nine in ten.
+    /// The end that was expected as the visit began: the times before which one in ten, half and nine in ten would end.
     expected: Option<[Time; 3]>,
-    /// When it was expected to end after the last change of a line, and when that was: one in ten before, nine in ten.
+    /// The end that was expected after the last change of a line (one in ten before, nine in ten before), and when.
     newest: Option<([Time; 2], Time)>,
 }
 
@@ -54,13 +54,13 @@ struct VisitClock {
 pub struct EndsHeld {
     /// Visits whose end was expected.
     pub visits: u32,
-    /// Of these, how many ended between the times that one and nine in ten were to end before.
+    /// How many of these visits ended between the times before which one in ten and nine in ten were to end.
     pub held: u32,
-    /// How far they were off the time that half of them were to end before, in all, seconds.
+    /// Sum of the differences from the times before which half of the visits were to end, seconds.
     pub off_s: f64,
 }
 
-/// Who says that pieces are in their tote.
+/// What says that pieces are in their tote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConfirmedBy {
     /// The hand, as it was seen.
@@ -101,42 +101,42 @@ impl VisitClock {
     }
 }
 
-/// What is kept in mind about visits.
+/// What is remembered about visits at work cells.
 #[derive(Clone, Debug, Default)]
 pub struct Visits {
     pace: PickPace,
     /// Whether the pace of lines is learned at all.
     learns: bool,
-    /// Stations where two persons were in the workplace, and when they were seen there last.
+    /// Stations where two people were in the workplace, and when they were last seen there.
     shared: BTreeMap<StationId, Time>,
-    /// When a button was pressed last at each station.
+    /// When a button was last pressed at each station.
     used: BTreeMap<StationId, Time>,
-    /// What was confirmed last at each station.
+    /// What was last confirmed at each station.
     confirmed: BTreeMap<StationId, ConfirmedPieces>,
     clocks: BTreeMap<JobId, VisitClock>,
     /// The hands at each station.
     cell_hands: BTreeMap<StationId, CellHands>,
     /// The face of the rack that stands at each station, or stood there last.
     faces: BTreeMap<StationId, (RackTypeId, Arc<PickFace>)>,
-    /// Which robots were picked from, as looked up in this step.
+    /// Which robot is picked from at each station, as looked up in this step.
     looked_up: (Time, BTreeMap<StationId, Option<RobotId>>),
-    /// Stations whose visit is over but for a hand inside.
+    /// Stations whose visit is over except for a hand that is still inside.
     kept: BTreeSet<StationId>,
     /// How well the ends of visits at each station were expected when they began.
     held: BTreeMap<StationId, EndsHeld>,
     /// The visit that ended last at each station.
     ended: BTreeMap<StationId, (JobId, Lines, Time)>,
-    /// Robots that must not move because of a hand, with the station of that.
+    /// Robots that must not move because of a hand, each with the station of the hand.
     at_hands: BTreeMap<RobotId, StationId>,
-    /// What was warned of last at each station, and when.
+    /// The last warning at each station, and when it was given.
     warned: BTreeMap<StationId, (WrongReach, Time)>,
-    /// Lines that were over, and reaches that were warned of.
+    /// How many lines were over, and how many reaches were warned of.
     counted: [u64; 2],
-    /// True ends of visits, told by an experiment.
+    /// True ends of visits, as an experiment tells them.
     told: BTreeMap<StationId, Time>,
 }
 
-/// The station at which a job's rack is wanted, with how long the customer said that it stays.
+/// The station at which a job's rack is wanted, and how long it stays there by the customer's word, seconds.
 fn station_of(job: &Job) -> Option<(StationId, Option<f64>)> {
     match job.request.kind {
         JobKind::Deliver { station, pick, .. } => Some((station, pick.map(Span::as_secs_f64))),
@@ -145,23 +145,23 @@ fn station_of(job: &Job) -> Option<(StationId, Option<f64>)> {
 }
 
 impl Visits {
-    /// Of stations where nothing was picked yet. `learns` says whether the pace of lines is learned.
+    /// The state of stations where nothing was picked yet. `learns` says whether the pace of lines is learned.
     pub fn new(learns: bool) -> Visits {
         Visits { learns, ..Visits::default() }
     }
 
-    /// Two persons are in the workplace of a station.
+    /// Notes that two people are in the workplace of a station.
     pub fn note_company(&mut self, station: StationId, now: Time) {
         self.shared.insert(station, now);
         self.cell_hands.entry(station).or_default().note_company(now);
     }
 
-    /// Whether two persons are in the workplace of a station: nobody knows whose hand is where.
+    /// Whether two people are in the workplace of a station, so that it is unknown whose hand is where.
     pub fn is_shared(&self, station: StationId, now: Time) -> bool {
         self.shared.get(&station).is_some_and(|at| now - *at < SHARED)
     }
 
-    /// Somebody at a station pressed a button.
+    /// Notes that a button was pressed at a station.
     pub fn note_use(&mut self, station: StationId, now: Time) {
         self.used.insert(station, now);
     }
@@ -171,8 +171,8 @@ impl Visits {
         &self.used
     }
 
-    /// Whether these pieces of a line are the ones that hand or button, whichever this is not, has just confirmed.
-    /// Asked of a piece by hand, it is counted off.
+    /// Whether these pieces of a line were just confirmed the other way: by a button if this is the hand, by the hand
+    /// if this is a button. A piece by hand is counted off.
     pub fn is_confirmed(
         &mut self,
         station: StationId,
@@ -191,7 +191,7 @@ impl Visits {
         }
     }
 
-    /// Pieces of a line are confirmed. Several by hand within a moment are so many.
+    /// Notes that pieces of a line are confirmed. Pieces confirmed the same way within a moment are added up.
     pub fn note_confirmed(
         &mut self,
         station: StationId,
@@ -224,18 +224,18 @@ impl Visits {
         }
     }
 
-    /// A visit that was on when the program started.
+    /// Notes a visit that was in progress when the program started.
     pub fn begin(&mut self, id: JobId, now: Time) {
         self.clocks.entry(id).or_insert(VisitClock::of(None, now));
     }
 
-    /// A job comes to another state, which ends its visit if one was on.
+    /// Notes that a job changes its state, which ends its visit if one was in progress.
     fn end(&mut self, ledger: &Ledger, id: JobId, at: Time) {
         let Some(clock) = self.clocks.remove(&id) else { return };
         self.learn(clock.done);
         let Some(job) = ledger.jobs.get(&id) else { return };
         let (Some((station, _)), Some(lines)) = (station_of(job), job.lines_now()) else { return };
-        // The rack leaves at the last grasp: it was wanted for so long.
+        // If the rack leaves at the last grasp, its lit line has taken until now.
         if let Some(lit) = lines.lit().filter(|_| clock.whole && clock.done.is_none_or(|d| d.at != at)) {
             let (pieces, seconds) = (lines.all()[lit].line.quantity, (at - clock.lit).as_secs_f64());
             self.learn(Some(DoneLine { station, pieces, seconds, at }));
@@ -253,7 +253,7 @@ impl Visits {
         self.ended.insert(station, (id, lines.clone(), at));
     }
 
-    /// Exact ends that an experiment tells teach nothing.
+    /// Learns from whether a visit ended as expected. Exact ends that an experiment tells teach nothing.
     fn learn_end(&mut self, [p10, p90]: [Time; 2], at: Time) {
         if self.learns && p10 < p90 {
             self.pace.learn_end(p10 <= at && at <= p90);
@@ -266,8 +266,8 @@ impl Visits {
         }
     }
 
-    /// A line that was lit all the time teaches how long lines take, once it is done by itself: where several are
-    /// confirmed at once, nobody knows what each has taken.
+    /// Notes a change of a line. A line that was lit all the time teaches how long lines take, once it is done by
+    /// itself: where several lines are confirmed at once, it is unknown how long each has taken.
     fn note_line(&mut self, ledger: &Ledger, id: JobId, (n, change): (usize, LineChange), at: Time) {
         let Some(job) = ledger.jobs.get(&id) else { return };
         let (Some((station, _)), Some(lines)) = (station_of(job), job.lines_now()) else { return };
@@ -282,7 +282,7 @@ impl Visits {
         let (pieces, seconds) = (before.line.quantity, (at - clock.lit).as_secs_f64());
         let done = (is_alone && is_done && clock.whole).then_some(DoneLine { station, pieces, seconds, at });
         let earlier = std::mem::replace(&mut clock.done, done).filter(|_| is_alone);
-        // What the arm does says nothing of the hand.
+        // What the arm does says nothing about the hand.
         if before.state != LineState::Arm && now.state != LineState::Arm {
             clock.last = at;
         }
@@ -296,8 +296,8 @@ impl Visits {
         self.learn(earlier);
     }
 
-    /// A visit is expected to last so long. What was expected when it began, and after the last change of a line, is
-    /// compared with the end.
+    /// Notes how long a visit is expected to last. What was expected when the visit began, and after the last change of
+    /// a line, is compared with its end.
     pub fn expect(&mut self, id: JobId, left: &Remaining, now: Time) {
         let Some(clock) = self.clocks.get_mut(&id).filter(|c| c.since.is_some()) else { return };
         let [p10, p50, p90] = [left.p10_s, left.p50_s, left.p90_s].map(|s| now + Span::from_secs_f64(s));
@@ -336,7 +336,7 @@ impl Visits {
         Some(self.pace.remaining(station, lines, seen))
     }
 
-    /// What is seen of a visit, if it is on.
+    /// What is seen of a visit, if it is in progress.
     fn seen(&self, id: JobId, station: StationId, lines: &Lines, now: Time) -> VisitSeen {
         let Some(clock) = self.clocks.get(&id) else { return VisitSeen::default() };
         let lit = lines.lit().map(|lit| lines.all()[lit].line.slot);
@@ -344,19 +344,19 @@ impl Visits {
         VisitSeen { lit_s: (now - clock.last).as_secs_f64().max(0.0), piece, ..VisitSeen::default() }
     }
 
-    /// How long the hand takes for its lines of a visit from now on, on average, seconds.
+    /// How long the hand still needs for its lines of a visit, on average, seconds.
     pub fn hand_s(&self, id: JobId, job: &Job, now: Time) -> Option<f64> {
         let ((station, said_s), lines) = (station_of(job)?, job.lines_now()?);
         let seen = VisitSeen { said_s, ..self.seen(id, station, lines, now) };
         Some(self.pace.hand_s(station, lines, seen))
     }
 
-    /// What the hand takes for so many pieces of one line, and the arm for one piece, on average, seconds.
+    /// How long the hand takes for this many pieces of one line, and the arm for one piece, on average, seconds.
     pub fn line_s(&self, station: StationId, pieces: u32) -> (f64, f64) {
         (self.pace.line_s(station, pieces), self.pace.arm_piece_s(station))
     }
 
-    /// Takes in hands at a station, and learns from the phase that they have ended.
+    /// Takes in the hands seen at a station, and learns from the phase that they have ended.
     pub fn see(&mut self, scene: CellHandsScene<'_>, seen: &HandsSeen) -> SmallVec<[CellHandsEvent; 4]> {
         let hands = self.cell_hands.entry(seen.station).or_default();
         let events = hands.see(scene, seen);
@@ -376,8 +376,8 @@ impl Visits {
         self.cell_hands.entry(station).or_default()
     }
 
-    /// The face of a rack at a station, or without one of the rack before; nothing where there was none, or it has no
-    /// slots, or the station no cell.
+    /// The face of the rack at a station or, without a rack, of the rack before; nothing if there was none, the rack
+    /// has no slots, or the station has no cell.
     pub fn face(
         &mut self,
         warehouse: &Arc<Warehouse>,
@@ -395,13 +395,13 @@ impl Visits {
         self.faces.get(&station).map(|(_, face)| face)
     }
 
-    /// The robot that is picked from at a station, as it was looked up in this step; nothing if it was not.
+    /// The robot that is picked from at a station, as looked up in this step; the outer `None` if it was not looked up.
     pub fn looked_up(&self, station: StationId, now: Time) -> Option<Option<RobotId>> {
         let (at, robots) = &self.looked_up;
         robots.get(&station).filter(|_| *at == now).copied()
     }
 
-    /// Notes it for the rest of the step.
+    /// Notes for the rest of the step which robot is picked from at a station.
     pub fn note_robot(&mut self, station: StationId, robot: Option<RobotId>, now: Time) {
         if self.looked_up.0 != now {
             self.looked_up = (now, BTreeMap::new());
@@ -409,7 +409,7 @@ impl Visits {
         self.looked_up.1.insert(station, robot);
     }
 
-    /// Whether the rack of a visit that is over is kept at a station, because a hand is inside.
+    /// Notes whether the rack of a visit that is over is kept at a station because a hand is inside.
     pub fn keep(&mut self, station: StationId, is_kept: bool) {
         if is_kept {
             self.kept.insert(station);
@@ -418,7 +418,7 @@ impl Visits {
         }
     }
 
-    /// Stations where racks are kept.
+    /// Stations where racks are kept because a hand is inside.
     pub fn kept(&self) -> Vec<StationId> {
         self.kept.iter().copied().collect()
     }
@@ -429,12 +429,12 @@ impl Visits {
         (now - *at <= ENDED).then_some((*job, lines))
     }
 
-    /// The true end of the visit that is on at a station.
+    /// Notes the true end of the visit in progress at a station.
     pub fn tell(&mut self, station: StationId, at: Time) {
         self.told.insert(station, at);
     }
 
-    /// Stations where a hand is in the opening or beyond it, or will be in a moment, or two persons are.
+    /// Stations where a hand is in the opening or beyond it, or will be in a moment, or where two people are.
     pub fn hands_inside(&self, now: Time) -> Vec<StationId> {
         let comes = |(station, hands): (&StationId, &CellHands)| {
             let (_, face) = self.faces.get(station).filter(|_| hands.sees(now))?;
@@ -450,35 +450,35 @@ impl Visits {
         known.is_some_and(|(hands, (_, face))| hands.is_inside(face, now))
     }
 
-    /// Robots that were not to move because of hands: until it is said anew, all may.
+    /// Takes the robots that were not to move because of hands; until `stop_at_hands` is called again, all may move.
     pub fn begin_hands(&mut self) -> BTreeMap<RobotId, StationId> {
         std::mem::take(&mut self.at_hands)
     }
 
-    /// These must not.
+    /// Notes robots that must not move because of hands, each with the station of the hand.
     pub fn stop_at_hands(&mut self, robots: impl IntoIterator<Item = (RobotId, StationId)>) {
         self.at_hands.extend(robots);
     }
 
-    /// The station because of whose hand a robot must not move.
+    /// The station whose hands keep a robot from moving.
     pub fn at_hands(&self, robot: RobotId) -> Option<StationId> {
         self.at_hands.get(&robot).copied()
     }
 
-    /// Somebody at a station is warned.
+    /// Notes that a person at a station is warned.
     pub fn note_warning(&mut self, station: StationId, wrong: WrongReach, now: Time) {
         self.counted[1] += 1;
         self.warned.insert(station, (wrong, now));
     }
 
-    /// Whether any of these hands is where it can be wrong: at the face of the rack or in a tote. Nothing else needs to
-    /// be looked up for hands elsewhere.
+    /// Whether any of these hands is where it can be wrong: at the face of the rack or in a tote. For hands elsewhere
+    /// nothing more needs to be looked up.
     pub fn can_be_wrong(&self, seen: &HandsSeen) -> bool {
         let Some((_, face)) = self.faces.get(&seen.station) else { return false };
         seen.hands.iter().flatten().map(|hand| face.of(hand.grip())).any(|at| face.is_near(at))
     }
 
-    /// What these hands, seen now, would be warned of.
+    /// The warning that these hands, seen now, would cause.
     pub fn would_warn(
         &self,
         model: &Arc<PickModel>,
@@ -489,22 +489,22 @@ impl Visits {
         hands.would_warn(CellHandsScene { face, model, lit, tote }, seen)
     }
 
-    /// Where hands at a station go.
+    /// Where the hands at a station are going.
     pub fn reaches(&self, station: StationId, now: Time) -> SmallVec<[SeenReach; 4]> {
         self.cell_hands.get(&station).map(|hands| hands.reaches(now)).unwrap_or_default()
     }
 
-    /// Whether the hands of one person alone were seen at a station of late.
+    /// Whether the hands of exactly one person were seen at a station lately.
     pub fn saw_hands(&self, station: StationId, now: Time) -> bool {
         self.cell_hands.get(&station).is_some_and(|hands| hands.saw_of_late(now))
     }
 
-    /// How many lines were over, and how many reaches warned of, since the program started.
+    /// How many lines were over, and how many reaches were warned of, since the program started.
     pub fn counted(&self) -> [u64; 2] {
         self.counted
     }
 
-    /// What was warned of at a station a moment ago.
+    /// The warning that was given at a station a moment ago.
     pub fn warning(&self, station: StationId, now: Time) -> Option<WrongReach> {
         self.warned.get(&station).filter(|(_, at)| now - *at < WARNED).map(|(wrong, _)| *wrong)
     }

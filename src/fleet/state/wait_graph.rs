@@ -1,26 +1,26 @@
 //! The wait-for graph: what each robot and each worker waits for, in this step.
 //!
 //! Main types: [`WaitGraph`], [`Party`], [`Edge`], [`ChainEnd`]. Each party waits for one other at most, or for
-//! something that is no party: a time, an operator, a route. So a walk along the edges comes to one end, or round and
-//! round in a cycle, and the ends of all walks together cost one visit of each party. A chain whose end neither moves
-//! nor has a known time nor is an operator's to end is a *standstill*. Refuses: to find out what anything waits for,
-//! and to end a standstill.
+//! something that is no party: a time, an operator, a route. So a walk along the edges comes to one end, or goes round
+//! in a cycle (a deadlock), and the ends of all walks together cost one visit of each party. A chain whose end neither
+//! moves, nor has a known time, nor is for an operator to end is a *standstill*. Refuses: to find out what anything
+//! waits for, and to end a standstill.
 
 use crate::state::why::Why;
 use giveway_floor::geometry::Point;
 use giveway_floor::id::{Dense, IdVec, RobotId, WorkerId};
 use giveway_floor::time::{Span, Time};
 
-/// A standstill that begins again within this has never ended: a robot tries another way in vain, a person shifts from
-/// one foot to the other.
+/// A standstill that begins again within this time has never ended: a robot tries another way in vain, or a person
+/// shifts from one foot to the other.
 const MOMENT: Span = Span::from_secs(3);
 
-/// Robots that wait for the same worker again within this wait for one thing: one that tries another way in vain comes
-/// back.
+/// A robot that waits for a worker again within this time waits for the same thing: a robot that tries another way in
+/// vain comes back.
 const AGAIN: Span = Span::from_secs(15);
 
-/// A person within this is in the same spot, metres: twice what the law of simulations has, since tags are off by a few
-/// decimetres.
+/// A person within this distance is in the same spot, metres: twice what the law of simulations has, since tags are off
+/// by a few decimetres.
 const SPOT_M: f64 = 1.5;
 
 /// A robot or a worker: a node of the graph.
@@ -35,22 +35,22 @@ pub enum Party {
 /// What one party waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edge {
-    /// For nothing: it drives, walks, is at work, or goes on when its planned time comes.
+    /// For nothing: the party drives, walks, is at work, or goes on when its planned time comes.
     Moves,
     /// For another party.
     On(Party),
     /// Until a time that is known.
     Until(Time),
-    /// For an operator, or for whoever looks after a robot that cannot drive.
+    /// For an operator, or for the person who looks after a robot that cannot drive.
     Operator,
     /// For a way: a robot without a route, or a worker who was told to stop, where no party is known to be in the way.
     NoWay,
-    /// For nothing: a robot without a task, a worker who stands.
+    /// For nothing: a robot without a task, or a worker who stands.
     Still,
 }
 
 impl Edge {
-    /// The robot that is waited for.
+    /// The robot that the party waits for.
     pub fn robot(self) -> Option<RobotId> {
         if let Edge::On(Party::Robot(robot)) = self { Some(robot) } else { None }
     }
@@ -65,7 +65,7 @@ pub enum ChainEnd {
     Operator,
     /// In a party that neither moves nor waits.
     Still(Party),
-    /// In parties that wait for one another; this one of them, robots first, has the least number.
+    /// In parties that wait for one another; this is the one with the least number, robots first.
     Cycle(Party),
 }
 
@@ -76,61 +76,61 @@ impl ChainEnd {
     }
 }
 
-/// One party and how its waiting stands.
+/// What one party waits for, since when, and how that ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wait {
-    /// Why it does not go on; nothing for workers, and for robots that do.
+    /// Why the party does not go on; nothing for workers, and for robots that do.
     pub why: Option<Why>,
-    /// What it waits for.
+    /// What the party waits for.
     pub edge: Edge,
-    /// Since when it has been waiting, whatever for; nothing where it moves or has nothing to do.
+    /// Since when the party has been waiting, whatever for; nothing if it moves or has nothing to do.
     pub since: Option<Time>,
-    /// How the chain of waiting ends that begins here.
+    /// How the chain of waiting that begins with the party ends.
     pub end: ChainEnd,
-    /// Since when its chain has ended in a standstill, if it does. A moment in which it did not does not count.
+    /// Since when the chain has ended in a standstill, if it does. A moment in which it did not does not count.
     pub standstill: Option<Time>,
-    /// While people keep a robot where it is: the visit at which it is, since when, and when one was seen to last.
+    /// While people keep a robot where it is: its visit, since when, and when it was last seen to be kept.
     kept: Option<(u64, Time, Time)>,
-    /// How long people have kept a robot, all in all, on its way to where it acts next.
+    /// How long people have kept a robot in all, on its way to where it acts next.
     on_its_way: OnItsWay,
-    /// The last standstill: since when, and when it was seen last.
+    /// The last standstill: since when, and when it was last seen.
     stood: Option<(Time, Time)>,
 }
 
 impl Wait {
-    /// Whether an operator has to end it.
+    /// Whether an operator has to end the wait.
     pub fn is_for_an_operator(&self) -> bool {
         self.end == ChainEnd::Operator
     }
 }
 
-/// How long people have kept a robot since it acted last: lifted or set down a rack, or was picked from.
+/// How long people have kept a robot since it last acted: lifted or set down a rack, or was picked from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct OnItsWay {
     acted: Option<u64>,
     waited: Span,
-    /// Since when it has been waiting for a worker, or when that was counted last.
+    /// Since when the robot has been waiting for a worker, or when that was last counted.
     from: Option<Time>,
 }
 
 /// Where a robot is in its work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WorkProgress {
-    /// The visit at which it is.
+    /// The visit at which the robot is.
     pub visit: u64,
-    /// The visit at which it acted last, if it did.
+    /// The visit at which the robot last acted, if it did.
     pub acted: Option<u64>,
 }
 
-/// Who waits for a worker.
+/// The robots that wait for a worker.
 #[derive(Clone, Copy, Debug)]
 struct WaitedFor {
     /// The robot that has stood still for the worker the longest, and since when.
     robot: RobotId,
     robot_since: Time,
-    /// Since when some robot has, one after the other.
+    /// Since when robots have stood still for the worker, one after the other.
     since: Time,
-    /// When one was seen to last.
+    /// When a robot was last seen to stand still for the worker.
     last: Time,
 }
 
@@ -138,9 +138,9 @@ struct WaitedFor {
 #[derive(Clone, Copy, Debug)]
 struct InOneSpot {
     spot: Point,
-    /// For how long of the time there the worker has waited for a robot, for a way, or to let a robot pass.
+    /// How long in that spot the worker has waited for a robot, for a way, or to let a robot pass.
     waited: Span,
-    /// When that was looked at last.
+    /// When the worker was last looked at.
     looked: Time,
 }
 
@@ -161,28 +161,28 @@ const FRESH: Wait = Wait {
 pub struct WaitGraph {
     robots: IdVec<RobotId, Wait>,
     workers: IdVec<WorkerId, Wait>,
-    /// For each worker, who waits for that worker, if any robot does.
+    /// For each worker, the robot that waits for that worker, if any does.
     waited_for: IdVec<WorkerId, Option<WaitedFor>>,
     /// How long the fleet has kept each worker in one spot.
     spots: IdVec<WorkerId, Option<InOneSpot>>,
-    /// Reused: which walk came by a party, while ends are looked for.
+    /// Reused: which walk passed each party, while ends are searched for.
     walks: Vec<u32>,
     /// Reused: the parties of one walk.
     path: Vec<Party>,
 }
 
 impl WaitGraph {
-    /// How the waiting of a robot stands.
+    /// What a robot waits for, and how that ends.
     pub fn robot(&self, robot: RobotId) -> Wait {
         self.robots.get(robot).copied().unwrap_or(FRESH)
     }
 
-    /// How the waiting of a worker stands.
+    /// What a worker waits for, and how that ends.
     pub fn worker(&self, worker: WorkerId) -> Wait {
         self.workers.get(worker).copied().unwrap_or(FRESH)
     }
 
-    /// How the waiting of a party stands.
+    /// What a party waits for, and how that ends.
     pub fn of(&self, party: Party) -> Wait {
         match party {
             Party::Robot(r) => self.robot(r),
@@ -190,7 +190,8 @@ impl WaitGraph {
         }
     }
 
-    /// The worker for whom a robot waits while that worker waits for it, directly or behind others; with since when.
+    /// The worker for whom a robot waits while that worker waits for the robot, directly or behind others; and since
+    /// when.
     pub fn circle_with(&self, robot: RobotId) -> Option<(WorkerId, Time)> {
         let wait = self.robot(robot);
         let Edge::On(Party::Worker(worker)) = wait.edge else { return None };
@@ -199,13 +200,13 @@ impl WaitGraph {
         wait.standstill.filter(|_| is_in_it).map(|since| (worker, since))
     }
 
-    /// The robot that waits for a worker, and for nothing else that goes on; of several, the one that has done so for
-    /// the longest. With since when some robot has.
+    /// The robot that waits for a worker, and for nothing else that goes on; if there are several, the one that has
+    /// done so the longest. Also since when some robot has.
     pub fn waits_for_worker(&self, worker: WorkerId) -> Option<(RobotId, Time)> {
         self.waited_for.get(worker).copied().flatten().map(|w| (w.robot, w.since))
     }
 
-    /// The last robot along the chain of waiting from a robot on: the one that does not wait for another robot.
+    /// The last robot along the chain of waiting from a robot on, which does not wait for another robot.
     pub fn last_robot(&self, robot: RobotId) -> RobotId {
         let mut last = robot;
         for _ in 0..self.robots.len() {
@@ -247,8 +248,9 @@ impl WaitGraph {
     }
 
     /// Robots that wait for workers and have come no farther for longer than `here`, or have waited for longer than
-    /// `on_its_way` since they acted last; the longest waiting first, each with the worker that it waits for now and
-    /// for how long. Also where those workers walk, so that no chain stands still, and where a robot drives to and fro.
+    /// `on_its_way` since they last acted; the longest waiting first, each with the worker for whom it waits now and
+    /// for how long. This finds also robots whose workers walk, so that no chain stands still, and robots that drive to
+    /// and fro.
     pub fn starving(&self, now: Time, here: Span, on_its_way: Span) -> Vec<(RobotId, WorkerId, Span)> {
         let kept = |(robot, wait): (RobotId, &Wait)| {
             let Edge::On(Party::Worker(worker)) = wait.edge else { return None };
@@ -284,7 +286,8 @@ impl WaitGraph {
         wait.on_its_way.note(progress.acted, on_worker, now);
     }
 
-    /// Notes what a worker waits for, likewise, and where: nowhere if the worker is not on the floor.
+    /// Notes what a worker waits for, and where the worker is: nowhere if not on the floor. To be called for each
+    /// worker.
     pub fn note_worker(&mut self, worker: WorkerId, at: Option<Point>, edge: Edge, now: Time) {
         while self.workers.get(worker).is_none() {
             self.workers.push(FRESH);
@@ -304,12 +307,12 @@ impl WaitGraph {
         });
     }
 
-    /// For how long the fleet has kept a worker in the spot where the worker is, all in all.
+    /// How long in all the fleet has kept a worker in the present spot.
     pub fn kept_in_one_spot(&self, worker: WorkerId) -> Span {
         self.spots.get(worker).copied().flatten().map_or(Span::ZERO, |s| s.waited)
     }
 
-    /// Where each chain ends, and since when it has ended in a standstill. O(robots and workers).
+    /// Finds where each chain ends, and since when it has ended in a standstill. O(robots and workers).
     pub fn find_ends(&mut self, now: Time) {
         let (robots, all) = (self.robots.len(), self.robots.len() + self.workers.len());
         let mut walks = std::mem::take(&mut self.walks);
@@ -335,7 +338,7 @@ impl WaitGraph {
                 continue;
             };
             let Some(noted) = self.waited_for.get(worker) else { continue };
-            // The robot that waits now is named; another one may have begun to.
+            // Only a robot that waits now is named; it may be another than before.
             let named = noted.filter(|w| w.last == now && w.robot_since <= since);
             let (robot, robot_since) = named.map_or((robot, since), |w| (w.robot, w.robot_since));
             let since = noted.map_or(since, |w| w.since.min(since));
@@ -372,7 +375,8 @@ impl WaitGraph {
                 Party::Robot(r) => &mut self.robots[*r],
                 Party::Worker(w) => &mut self.workers[*w],
             };
-            // What rests and is waited for by none is no standstill, but the end of one for those that wait for it.
+            // A party that rests and is waited for by none is no standstill, but ends one for the parties that wait for
+            // it.
             let stands = end.is_standstill() && wait.since.is_some();
             let before = wait.stood.filter(|(_, last)| now - *last <= MOMENT).map(|(since, _)| since);
             if stands {
@@ -449,7 +453,7 @@ mod tests {
         ]
     }
 
-    /// The end of the chain from one party, by walking so far that a cycle is certain.
+    /// The end of the chain from one party, found by walking so far that a cycle is certain.
     fn walked(edges: &[Edge], start: usize) -> ChainEnd {
         let position = |p: Party| match p {
             Party::Robot(r) => r.ix(),
@@ -503,7 +507,7 @@ mod tests {
         let (mut found, robot) = (WaitGraph::default(), RobotId(0));
         let (here, way) = (Span::from_secs(90), Span::from_secs(180));
         let worker = Edge::On(party(ROBOTS));
-        // What it is at the end of so many seconds in each of which it was looked at.
+        // The longest wait after this many seconds, in each of which the robot was looked at once.
         let mut at = 0;
         let mut noted = |seconds: i64, visit: u64, acted: Option<u64>, edge: Edge| {
             let mut longest = None;

@@ -8,49 +8,49 @@ use giveway_floor::id::{ClosureId, NodeId, ResourceId, RobotId, StationId, Worke
 /// Why a robot does not go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Why {
-    /// Another holder was promised the next resource first.
+    /// Another robot was promised the next resource first.
     WaitsFor(ResourceId, RobotId),
     /// A worker is near, or will be.
     GivesWay(WorkerId),
     /// The way leads into an area that robots keep out of.
     Closed(ClosureId),
-    /// In every place of the station to which it is to go stands a robot.
+    /// A robot stands in every place of the station to which this robot is to go.
     QueueFull(StationId),
-    /// It is not its turn at the station to which it is to go: this robot has a place there, or comes before it.
+    /// It is not this robot's turn at its station: the named robot has a place there, or comes before it.
     NotItsTurn(StationId, RobotId),
-    /// Nobody picks at the station to which it is to go.
+    /// Picking is paused at the station to which the robot is to go.
     StationPaused(StationId),
-    /// A hand, or a robot arm, is in the opening of this station, where it stands or is about to come.
+    /// A hand, or a robot arm, is in the opening of this station, where the robot stands or is about to come.
     HandInOpening(StationId),
-    /// No route was found yet; it tries again.
+    /// No route was found yet; the robot tries again.
     NoRoute,
-    /// It cannot drive.
+    /// The robot cannot drive.
     Failed,
-    /// Its emergency stop is pressed.
+    /// The robot's emergency stop is pressed.
     EmergencyStop,
-    /// A person drives it.
+    /// A person drives the robot.
     Manual,
-    /// Something that it cannot pass stands on its way to this node.
+    /// Something that the robot cannot pass stands on its way to this node.
     Obstructed(NodeId),
-    /// It stands at a charger and gets no current.
+    /// The robot stands at a charger and gets no current.
     Unplugged,
-    /// It stands where nothing is held for it, or does not carry what it should.
+    /// The robot stands where nothing is held for it, or does not carry what it should.
     Displaced(Displacement),
-    /// This robot, which is displaced or cannot drive, stands on its way, and it finds no way round.
+    /// The named robot, which is displaced or cannot drive, stands on the way, and there is no way round.
     BlockedBy(RobotId),
-    /// Something stands on this node on its way, as another robot reported.
+    /// Something stands on this node on the robot's way, as another robot reported.
     WayObstructed(NodeId),
-    /// It has not been heard of.
+    /// The robot has not been heard of.
     Silent,
-    /// Its link takes no orders for it, and says why.
+    /// The robot's link takes no orders for it, and says why.
     Refused,
-    /// An operator paused it.
+    /// An operator paused the robot.
     Paused,
-    /// It is in maintenance, and gets no jobs.
+    /// The robot is in maintenance, and gets no jobs.
     Maintenance,
-    /// It is to leave the floor: switched off, it is gone.
+    /// The robot is to leave the floor: once switched off, it is gone.
     Leaving,
-    /// It has left the floor.
+    /// The robot has left the floor.
     Gone,
     /// An operator stopped the whole fleet.
     Stopped,
@@ -59,7 +59,7 @@ pub enum Why {
 }
 
 impl Why {
-    /// The station outside which it is, if it is outside one.
+    /// The station outside which the robot waits, if it waits outside one.
     pub fn station(self) -> Option<StationId> {
         match self {
             Why::QueueFull(s) | Why::NotItsTurn(s, _) | Why::StationPaused(s) => Some(s),
@@ -67,8 +67,8 @@ impl Why {
         }
     }
 
-    /// Whether it is about the robot itself, whatever happens around it: no job moves it, and only the robot, or the
-    /// person who stopped it, ends that.
+    /// Whether the reason is about the robot itself, whatever happens around it: no job moves the robot, and only the
+    /// robot, or the person who stopped it, ends that.
     pub fn is_by_itself(self) -> bool {
         use Why::{
             Displaced, EmergencyStop, Evacuation, Failed, Gone, Leaving, Maintenance, Manual, Paused,

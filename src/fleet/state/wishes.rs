@@ -1,10 +1,10 @@
-//! How often each rack was wanted lately: a count over accepted jobs that fades.
+//! How often each rack was wanted lately: a fading count over accepted jobs.
 //!
 //! Main type: [`Wishes`]. Refuses: to know where racks are.
 
 use giveway_floor::id::{IdVec, RackId};
 
-/// When so many wishes were counted per rack, all counts are halved: old wishes fade.
+/// When this many wishes per rack have been counted, all counts are halved, so that old wishes fade.
 const HALVE_AT: u64 = 4;
 
 /// How often each rack was wanted lately.
@@ -15,12 +15,12 @@ pub struct Wishes {
 }
 
 impl Wishes {
-    /// No rack was ever wanted.
+    /// Counts of zero: no rack was ever wanted.
     pub fn none(racks: usize) -> Wishes {
         Wishes::of(vec![0; racks])
     }
 
-    /// These counts, by rack.
+    /// The wishes with these counts, by rack.
     pub fn of(counts: Vec<u32>) -> Wishes {
         let total = counts.iter().map(|w| u64::from(*w)).sum();
         Wishes { racks: counts.into(), total }
@@ -41,7 +41,7 @@ impl Wishes {
         }
     }
 
-    /// How wanted a rack is, relative to the mean: 0 never, 1 like any, up to 3.
+    /// How wanted a rack is, relative to the mean: 0 never, 1 average, 3 at most.
     pub(crate) fn heat(&self, rack: RackId) -> f64 {
         if self.total == 0 {
             return 1.0;

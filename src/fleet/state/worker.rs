@@ -11,14 +11,14 @@ use giveway_floor::id::{AssignmentId, ClosureId, NodeId, RobotId, SeriesId, Work
 use giveway_floor::time::{Span, Time, Window};
 use giveway_people::human::IntentState;
 
-/// What a worker is to do, as it is handed in.
+/// What a worker is to do, as submitted.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct AssignmentRequest {
-    /// Where. At a storage node the worker goes to the nearest place from which the rack can be reached.
+    /// Where to go. At a storage node, the worker goes to the nearest place from which the rack can be reached.
     pub place: NodeId,
-    /// How long it takes there.
+    /// How long the work there takes.
     pub stay: Span,
-    /// What, in the customer's words.
+    /// What to do, in the customer's words.
     pub what: String,
     /// The customer's own key: the same key never makes a second assignment.
     pub key: Option<ClientKey>,
@@ -27,7 +27,7 @@ pub struct AssignmentRequest {
 /// How far an assignment has come. `Waiting → Walking → Working → Done`; `Cancelled` ends any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AssignmentState {
-    /// The worker is at another one, or not on the floor; or nobody has it yet.
+    /// The worker has another assignment first or is not on the floor, or the assignment has no worker yet.
     Waiting,
     /// The worker is on the way.
     Walking,
@@ -35,17 +35,17 @@ pub enum AssignmentState {
     Working,
     /// Done.
     Done,
-    /// Somebody cancelled it.
+    /// The assignment was cancelled.
     Cancelled,
 }
 
 impl AssignmentState {
-    /// Whether nothing will happen any more.
+    /// Whether nothing more will happen to the assignment.
     pub fn is_over(self) -> bool {
         matches!(self, AssignmentState::Done | AssignmentState::Cancelled)
     }
 
-    /// The word for it on the wire.
+    /// The state's word on the wire.
     pub fn word(self) -> &'static str {
         match self {
             AssignmentState::Waiting => "waiting",
@@ -60,36 +60,36 @@ impl AssignmentState {
 /// An assignment that is not over.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Assignment {
-    /// The worker; nobody while it waits for the nearest one who is free.
+    /// The worker; nothing while the assignment waits for the nearest free one.
     pub worker: Option<WorkerId>,
-    /// What.
+    /// What is to be done.
     pub request: AssignmentRequest,
-    /// How far it is.
+    /// How far the assignment has come.
     pub state: AssignmentState,
-    /// When it was accepted.
+    /// When the assignment was accepted.
     pub accepted: Time,
 }
 
-/// Where a worker on the floor was known to be, as the journal has it: to a few metres while the worker is seen,
-/// exactly where the worker was lost. So a restart knows where somebody may be whose headset is silent since.
+/// Where a worker on the floor was last known to be, by the journal: to a few metres while the worker is seen, exactly
+/// where the worker was lost. So a restart knows where a worker may be whose headset has been silent since.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LastPlace {
-    /// Where.
+    /// The place.
     pub at: Spot,
     /// When the worker was seen there.
     pub seen: Time,
-    /// How far from there the worker is at most, on foot, where a supervisor vouches for that, millimetres.
+    /// How far from there the worker is at most, on foot, if a supervisor vouches for that, millimetres.
     pub within_mm: Option<i64>,
 }
 
-/// Whom a closure keeps out.
+/// Whether a closure keeps out robots, people or both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Binds {
     /// Robots alone: people are at work there.
     Robots,
     /// People alone.
     People,
-    /// Everybody.
+    /// Robots and people.
     #[default]
     Both,
 }
@@ -105,7 +105,7 @@ impl Binds {
         self != Binds::Robots
     }
 
-    /// What a word on the wire stands for.
+    /// What a word on the wire means.
     pub fn of(word: &str) -> Option<Binds> {
         [Binds::Robots, Binds::People, Binds::Both].into_iter().find(|b| b.word() == word)
     }
@@ -123,28 +123,28 @@ impl Binds {
 /// An area that robots, people or both keep out of, marked by hand.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Closure {
-    /// Its outline; where nodes are named, only to be shown.
+    /// The outline of the area; if nodes are named, only to be shown.
     pub outline: Vec<Spot>,
-    /// Exactly the nodes that are closed; where empty, all that robots would reach into the outline from.
+    /// Exactly the nodes that are closed; if empty, all nodes from which a robot would reach into the outline.
     pub nodes: Vec<NodeId>,
-    /// When.
+    /// When the area is closed.
     pub window: Window,
-    /// Why, in the supervisor's words.
+    /// Why the area is closed, in the supervisor's words.
     pub reason: String,
-    /// Whom it keeps out.
+    /// Whether the closure keeps out robots, people or both.
     pub binds: Binds,
-    /// The recurring closure of which it is one occurrence.
+    /// The recurring closure of which this is one occurrence, if any.
     pub series: Option<SeriesId>,
 }
 
-/// How a closure stands.
+/// Whether a closure is ahead, in force or over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ClosureState {
-    /// It has not begun.
+    /// The closure has not begun.
     Announced,
-    /// Robots keep out.
+    /// The closure is in force: robots keep out.
     Closed,
-    /// Robots may drive there again.
+    /// The closure is over: robots may drive there again.
     Over,
 }
 
@@ -160,7 +160,7 @@ impl ClosureState {
 }
 
 impl Closure {
-    /// How it stands at a time.
+    /// The state of the closure at a time.
     pub fn state(&self, now: Time) -> ClosureState {
         match self.window {
             w if now < w.start() => ClosureState::Announced,
@@ -173,9 +173,9 @@ impl Closure {
 /// What a worker is told.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guidance {
-    /// How things stand.
+    /// The worker's situation.
     pub state: GuidanceState,
-    /// Why, where it is not just as planned.
+    /// Why the situation is not as planned, if it is not.
     pub reason: Option<GuidanceReason>,
     /// Counts up with every new path.
     pub version: u64,
@@ -183,11 +183,11 @@ pub struct Guidance {
     pub path: Vec<Point>,
     /// The next point to walk to.
     pub next: Option<Point>,
-    /// When the end of the path is reached at usual speed.
+    /// When the worker reaches the end of the path at usual speed.
     pub eta: Option<Time>,
-    /// Until when, about, the worker waits for a robot to pass, if it is told to.
+    /// Until about when the worker waits for a robot to pass, if told to.
     pub wait: Option<Time>,
-    /// What the path is for.
+    /// The assignment that the path is for.
     pub assignment: Option<AssignmentId>,
     /// Whether the worker is at the place of the assignment.
     pub arrived: bool,
@@ -195,19 +195,19 @@ pub struct Guidance {
     pub near: Vec<NearRobot>,
 }
 
-/// How things stand with a worker.
+/// A worker's situation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum GuidanceState {
-    /// Nothing to do.
+    /// The worker has nothing to do.
     #[default]
     Idle,
-    /// On the path.
+    /// The worker is on the path.
     Following,
-    /// Off the path.
+    /// The worker is off the path.
     Deviating,
-    /// Off the old path, a new one is shown.
+    /// The worker is off the old path, and a new one is shown.
     Redirected,
-    /// Stand still.
+    /// The worker is to stand still.
     Stop,
 }
 
@@ -224,12 +224,12 @@ impl GuidanceState {
     }
 }
 
-/// Why a worker is told something else than to follow the path.
+/// Why a worker is told something other than to follow the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GuidanceReason {
     /// The worker left the path.
     LeftPath,
-    /// A robot comes nearer and is close already.
+    /// A robot is close already and comes nearer.
     RobotComes(RobotId),
     /// A robot stands on the path and cannot leave.
     RobotInTheWay(RobotId),
@@ -237,11 +237,11 @@ pub enum GuidanceReason {
     RobotWaits(RobotId),
     /// A robot has waited for long and passes now: the worker stands aside for a moment.
     RobotPasses(RobotId),
-    /// A robot takes the way ahead for a few seconds: waiting for it is there earlier than any other way.
+    /// A robot takes the way ahead for a few seconds: by waiting, the worker gets there earlier than by any other way.
     RobotCrosses(RobotId),
-    /// A robot has waited for long because the headset knows badly where it is: its wearer touches marks.
+    /// A robot has waited for long because the headset is unsure of its place: its wearer touches marks.
     PlaceUnsure(RobotId),
-    /// The worker stands where a rack or a station is that waiting jobs need, or on the only way there.
+    /// The worker stands at a rack or a station that waiting jobs need, or on the only way there.
     CutsOff,
     /// The way leads round an area that is closed to people, or soon will be.
     RoundClosure(ClosureId),
@@ -260,15 +260,15 @@ pub enum GuidanceReason {
 /// A robot near a worker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearRobot {
-    /// Which.
+    /// The robot.
     pub robot: RobotId,
-    /// Between the centres, metres.
+    /// Distance between the centres, metres.
     pub distance_m: f64,
-    /// Direction from the worker to it, radians in the map's frame.
+    /// Direction from the worker to the robot, radians in the map's frame.
     pub bearing: f64,
-    /// Time to the closest approach if both go on as they do; nothing where they move apart.
+    /// Time to the closest approach if both keep moving as they do; nothing if they move apart.
     pub closest: Option<Span>,
-    /// How fast it drives, metres per second.
+    /// How fast the robot drives, metres per second.
     pub speed_mps: f64,
 }
 
@@ -307,24 +307,24 @@ pub struct Encounter {
     pub worker: WorkerId,
     /// The robot.
     pub robot: RobotId,
-    /// When it began.
+    /// When the encounter began.
     pub began: Time,
     /// When the robot was out of the region again.
     pub ended: Time,
     /// Where the worker was.
     pub at: Spot,
-    /// Radius of region 1 then, millimetres.
+    /// Radius of region 1 when the encounter began, millimetres.
     pub radius_mm: i64,
     /// Closest distance between the centres, millimetres.
     pub closest_mm: i64,
-    /// Speed of the robot when it came in, millimetres per second.
+    /// Speed of the robot when it came into the region, millimetres per second.
     pub robot_mmps: i64,
-    /// Speed of the worker then.
+    /// Speed of the worker at that time, millimetres per second.
     pub worker_mmps: i64,
     /// What the fleet did about the robot.
     pub reaction: Reaction,
-    /// How much later the task that the robot had when it began ends than was planned then, as far as is known when the
-    /// encounter ends.
+    /// How much later the task that the robot had when the encounter began ends than was planned then, as far as is
+    /// known when the encounter ends.
     pub delay: Span,
 }
 
@@ -333,11 +333,11 @@ pub struct Encounter {
 pub struct WorkerView {
     /// The name.
     pub name: String,
-    /// How well the place is known.
+    /// How well the worker's place is known.
     pub presence: Presence,
     /// The last pose, if there was any.
     pub pose: Option<Pose>,
-    /// When it was seen.
+    /// When the last pose was seen.
     pub seen: Option<Time>,
     /// Walking speed, metres per second.
     pub speed_mps: f64,
@@ -354,29 +354,29 @@ pub struct WorkerView {
     pub goals: Vec<(Point, f64)>,
     /// Probability that nothing can be said yet.
     pub undecided: f64,
-    /// Probability of going somewhere else.
+    /// Probability that the worker is going somewhere else.
     pub elsewhere: f64,
-    /// What the worker has most probably been up to, the oldest first.
+    /// What the worker has most probably been doing, the oldest first.
     pub episodes: Vec<WorkerEpisode>,
-    /// What became of the sightings.
+    /// What became of the sightings of the worker.
     pub feed: FeedCounts,
 }
 
-/// A stretch of time in which a worker was most probably up to the same thing.
+/// A span of time in which a worker was most probably doing the same thing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkerEpisode {
-    /// What.
+    /// What the worker was doing.
     pub state: IntentState,
-    /// Where the goal is, if it is one.
+    /// Where the goal is, if the worker had one.
     pub place: Option<Point>,
-    /// Since when.
+    /// When the span began.
     pub since: Time,
 }
 
 /// A closed area, as outsiders see it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosureView {
-    /// Its number.
+    /// The number of the closure.
     pub id: ClosureId,
     /// The area.
     pub closure: Closure,

@@ -1,8 +1,8 @@
-//! What the rooms of a fleet share, for those parts of a step that change it: what was promised, what is seen, what
-//! restricts robots now, and what the step gives out.
+//! What the parts of the core share, for code that changes it in a step: what was promised, what is seen, what
+//! restricts robots now, and the output of the step.
 //!
-//! Main type: [`Writer`]. What was promised changes by facts alone, and what leaves is only ever added to. Questions
-//! take a [`Floor`], through which nothing can be changed. Refuses: to keep anything that belongs to one room.
+//! Main type: [`Writer`]. What was promised changes by facts alone, and the output is only ever added to. Queries take
+//! a [`Floor`], through which nothing can be changed. Refuses: to keep anything that belongs to one part alone.
 
 use crate::state::activity::Activities;
 use crate::state::arms::Arms;
@@ -30,7 +30,7 @@ use giveway_floor::warehouse::Warehouse;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What the rooms of a fleet share, with the right to change it.
+/// What the parts of the core share, with the right to change it.
 #[derive(Clone, Debug)]
 pub struct Writer {
     /// The settings.
@@ -39,28 +39,28 @@ pub struct Writer {
     ledger: Ledger,
     /// What is seen.
     pub scene: Scene,
-    /// What people, closed areas and displaced robots mean for robots, in this step.
+    /// How people, closed areas and displaced robots restrict robots in this step.
     pub restrictions: Restrictions,
     /// What robots and workers wait for, as of the end of the last step.
     pub waits: WaitGraph,
-    /// What robots are at, as of the end of the last step.
+    /// What robots are doing, as of the end of the last step.
     pub activities: Activities,
-    /// How near robots of each kind come to people, and how fast.
+    /// How near robots of each kind come to people, and how fast they drive there.
     pub regions: KindRegions,
     /// What the map says about storage.
     pub storage: Storage,
-    /// What is kept in mind about visits at work cells.
+    /// What is remembered about visits at work cells.
     pub visits: Visits,
     /// The robot arms at work cells.
     pub arms: Arms,
-    /// What the step gives out so far.
+    /// The output of the step so far.
     out: Step,
-    /// The robot that is being dealt with: named where a contradiction ends the step.
+    /// The robot that is being dealt with, to be named if a contradiction ends the step.
     pub at_hand: AtHand,
 }
 
 impl Writer {
-    /// What a ledger says, with nothing seen yet.
+    /// A writer for a ledger, with nothing seen yet.
     pub fn new(ledger: Ledger, settings: Settings) -> Writer {
         let warehouse = ledger.warehouse();
         let regions = KindRegions::new(warehouse, ledger.kinds(), settings.period);
@@ -80,7 +80,7 @@ impl Writer {
         }
     }
 
-    /// Robots whose link the site has no more are not connected: no link will ever say so.
+    /// Notes robots whose link the site no longer has as not connected: no link will ever report that.
     pub fn cut_off_unlinked(&mut self) {
         let is_unlinked = |link: &String| !self.settings.links.contains(link);
         let robots = self.ledger.robots.pairs().filter(|(_, r)| is_unlinked(&r.link));
@@ -91,7 +91,7 @@ impl Writer {
         }
     }
 
-    /// The floor as it is now, for questions.
+    /// The floor as it is now, for queries.
     pub fn floor(&self) -> Floor<'_> {
         let Writer {
             settings, ledger, scene, restrictions, waits, regions, storage, visits, at_hand, ..
@@ -104,18 +104,18 @@ impl Writer {
         &self.ledger
     }
 
-    /// The queue of waiting jobs goes by this time from now on.
+    /// Has the queue of waiting jobs go by this time from now on.
     pub fn advance_queue(&mut self, now: Time) {
         self.ledger.advance_queue(now);
     }
 
-    /// What was promised, and what is kept in mind about visits, which may change meanwhile.
+    /// The ledger, and what is remembered about visits, which may change meanwhile.
     pub fn ledger_and_visits(&mut self) -> (&Ledger, &mut Visits) {
         (&self.ledger, &mut self.visits)
     }
 
-    /// Forgets what bound robots in the step before, but for announced closures: those begin and end. Which of them
-    /// have been over for long.
+    /// Forgets what restricted robots in the step before, except announced closures, which begin and end. Returns the
+    /// closures that ended long ago.
     pub fn renew_restrictions(&mut self, now: Time) -> Vec<ClosureId> {
         let Restrictions { conditions, areas, .. } = &mut self.restrictions;
         conditions.all_mut().for_each(Conditions::clear);
@@ -143,7 +143,7 @@ impl Writer {
         self.out.facts.push(fact);
     }
 
-    /// The kinds of robots have changed: what follows from them is made anew.
+    /// Rebuilds what follows from the robot kinds, after they have changed.
     fn refit(&mut self) {
         let warehouse = self.ledger.warehouse();
         self.regions = KindRegions::new(warehouse, self.ledger.kinds(), self.settings.period);
@@ -160,12 +160,12 @@ impl Writer {
         self.out.commands.push((robot, command));
     }
 
-    /// Gives an order to a robot that takes no hold from any. It leaves at once.
+    /// Gives a robot an order that takes no hold from any robot. It leaves at once.
     pub fn tell_at_once(&mut self, robot: RobotId, command: Command) {
         self.out.urgent.push((robot, command));
     }
 
-    /// Answers a request, and notes which facts it caused itself. The answer leaves once they are durable.
+    /// Answers a request, and notes which facts it caused directly. The answer leaves once these are durable.
     pub fn answer(&mut self, token: Token, answer: Answered, caused: Range<usize>) {
         assert!(caused.end <= self.out.facts.len(), "a request caused facts that are there");
         self.out.replies.push(Reply { token, answer });
@@ -174,7 +174,7 @@ impl Writer {
         }
     }
 
-    /// Tells workers something. It leaves at once.
+    /// Gives guidance to workers. It leaves at once.
     pub fn guide(&mut self, guidance: Vec<(WorkerId, Guidance)>) {
         self.out.guidance.extend(guidance);
     }
@@ -189,12 +189,12 @@ impl Writer {
         self.out.arms.extend(order);
     }
 
-    /// The step ends: what it gives out.
+    /// Ends the step and returns its output.
     pub fn take_step(&mut self) -> Step {
         std::mem::take(&mut self.out)
     }
 
-    /// A job comes to another state, and its robot to another task with it.
+    /// Changes the state of a job and, with it, the task of its robot.
     pub fn progress(&mut self, job: JobId, state: JobState, tasked: Option<(RobotId, Task)>, now: Time) {
         self.record(JobFact::Progressed { job, state, tasked, at: now });
     }

@@ -1,4 +1,4 @@
-//! What is kept in mind of each robot that gives way, from step to step. Lost at a restart, and found out again.
+//! What is remembered of each robot that yields, from step to step. Lost at a restart, and found out again.
 //!
 //! Main types: [`YieldingState`], [`RobotYielding`] (one robot). Refuses: to decide; it says what was noted, and what
 //! follows from that alone.
@@ -10,24 +10,24 @@ use giveway_floor::id::{IdVec, NodeId, RobotId, WorkerId};
 use giveway_floor::time::{Span, Time};
 use giveway_people::aware::zone_answers::{self, OpenZone, ZoneAnswer, ZoneCounts};
 
-/// A person who has stood for longer than this is not about to set off: the place is as good as closed, and a robot
-/// that stood there for so long leaves, if it can.
+/// A person who has stood for longer than this is not about to set off: the place counts as closed, and a robot that
+/// has yielded for this long leaves, if it can.
 pub(crate) const STANDS: Span = Span::from_secs(20);
-/// A robot that has yielded for this long while a worker is near waits for that worker, who waits for it.
+/// After a robot has yielded for this long while a worker is near, each of them waits for the other.
 const STUCK: Span = Span::from_secs(60);
-/// Places farther from a person than this do not matter, metres: as far as a place aside is from where robots go.
+/// Places farther from a person than this do not matter, metres: the distance of a place aside from robots' ways.
 const FACES_M: f64 = 2.5;
 
 /// A robot that stands still to yield to a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Standing {
-    /// The worker; of several, the last.
+    /// The worker; the last one if there were several.
     pub worker: WorkerId,
-    /// Since when it has stood.
+    /// Since when the robot has stood.
     pub since: Time,
-    /// Since when it has yielded to this worker.
+    /// Since when the robot has yielded to this worker.
     pub facing_since: Time,
-    /// Where it came to stand.
+    /// The node where the robot came to stand.
     pub node: NodeId,
 }
 
@@ -39,63 +39,63 @@ pub struct GivesWay {
     pub since: Time,
 }
 
-/// What is kept in mind of one robot.
+/// What is remembered of one robot that yields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RobotYielding {
-    /// The worker that it gives way to, until it is on its way again.
+    /// The worker that the robot gives way to, until it is on its way again.
     pub to: Option<GivesWay>,
-    /// The speed limit that it was told last, and when.
+    /// The speed limit that the robot was last told, metres per second, and when.
     pub limit_told: Option<(Option<f64>, Time)>,
-    /// The worker for whom it stands, or drives back slowly.
+    /// The worker for whom the robot stands, or drives back slowly.
     pub stands: Option<Standing>,
-    /// When it last looked for another route because of a worker.
+    /// When the robot last searched for another route because of a worker.
     pub rerouted: Option<Time>,
-    /// The zone that it is to share with a worker.
+    /// The zone that the robot is to share with a worker.
     zone: Option<OpenZone>,
-    /// Whom it passes beside the line.
+    /// The worker whom the robot passes beside the line, and where.
     pub passing: Option<RobotPassing>,
-    /// When it last looked for room to pass somebody from between two nodes.
+    /// When the robot last looked for room to pass a person from between two nodes.
     pub passing_looked: Option<Time>,
 }
 
 impl RobotYielding {
-    /// The speed limit that it was told, if there is one.
+    /// The speed limit that the robot was told, metres per second, if there is one.
     pub fn limit_mps(&self) -> Option<f64> {
         self.limit_told.and_then(|(limit, _)| limit)
     }
 
-    /// Whether it was told to stand.
+    /// Whether the robot was told to stand.
     pub fn is_told_to_stand(&self) -> bool {
         self.limit_mps() == Some(0.0)
     }
 
-    /// The worker whom it passes on the lane that leads to a visit, if it does there.
+    /// The worker whom the robot passes on the lane that leads to a visit, if it passes one there.
     pub fn passes(&self, serial: u64) -> Option<WorkerId> {
         let what = self.passing?.what;
         (what.from < serial && serial <= what.to).then_some(what.worker)
     }
 
-    /// For how long it has been giving way.
+    /// For how long the robot has been giving way.
     pub fn waited(&self, now: Time) -> Span {
         self.to.map_or(Span::ZERO, |to| now - to.since)
     }
 }
 
-/// What is kept in mind of all robots.
+/// What is remembered of all robots that yield.
 #[derive(Clone, Debug, Default)]
 pub struct YieldingState {
     robots: IdVec<RobotId, RobotYielding>,
-    /// How robots answered zones that are over. It promises nothing, so it starts at zero with the process.
+    /// How robots answered zones that are over. The counts promise nothing, so they start at zero with the process.
     pub answered: ZoneCounts,
 }
 
 impl YieldingState {
-    /// What was noted of one robot; nothing where nothing was noted.
+    /// What was noted of one robot; the default if nothing was noted.
     pub fn of(&self, robot: RobotId) -> RobotYielding {
         self.robots.get(robot).copied().unwrap_or_default()
     }
 
-    /// Of one robot, to note something.
+    /// The record of one robot, to note something in it.
     pub fn of_mut(&mut self, robot: RobotId) -> &mut RobotYielding {
         while self.robots.get(robot).is_none() {
             self.robots.push(RobotYielding::default());
@@ -103,7 +103,7 @@ impl YieldingState {
         &mut self.robots[robot]
     }
 
-    /// Robots that give way to a worker, each with which one and how.
+    /// Robots that give way to a worker, each with the worker, its reaction and since when.
     pub fn giving_way(&self) -> impl Iterator<Item = (RobotId, GivesWay)> {
         self.robots.pairs().filter_map(|(robot, y)| Some((robot, y.to?)))
     }
@@ -124,7 +124,7 @@ impl YieldingState {
         self.of_mut(robot).zone = zone;
     }
 
-    /// No worker is near any more: no robot gives way.
+    /// Notes that no worker is near any more, so that no robot gives way.
     pub fn no_worker_is_near(&mut self, now: Time) {
         for y in self.robots.iter_mut() {
             y.to = None;
@@ -132,13 +132,13 @@ impl YieldingState {
         }
     }
 
-    /// These robots stand somewhere else by now.
+    /// Forgets how these robots stood: they stand somewhere else by now.
     pub fn forget_standing(&mut self, robots: &[RobotId]) {
         robots.iter().for_each(|r| self.of_mut(*r).stands = None);
     }
 
-    /// The worker to whom a robot has yielded for so long that it should leave: to this one for long, or to several in
-    /// turn for twice as long.
+    /// The worker to whom a robot has yielded for so long that it should leave: for long to this worker, or for twice
+    /// as long to several workers in turn.
     pub fn stood_for(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
         let standing = self.of(robot).stands?;
         debug_assert!(standing.since <= standing.facing_since, "{robot:?} stood for one before it stood");
@@ -153,8 +153,8 @@ impl YieldingState {
         stands.or(noted.to.filter(|to| now - to.since > STUCK).map(|to| to.worker))
     }
 
-    /// The worker to whom the robot has yielded for long, if this node is nearer to that worker than the robot is now:
-    /// driving up again would help neither. Between workers who take turns, it has to go nearer to one of them.
+    /// The worker to whom a robot has yielded for long, if this node is nearer to that worker than the robot is now:
+    /// driving up again would help neither. Between workers who take turns, the robot has to go nearer to one of them.
     pub fn faces(&self, floor: Floor<'_>, robot: RobotId, node: NodeId, now: Time) -> Option<WorkerId> {
         let standing = self.of(robot).stands?;
         let lets_pass = floor.restrictions.let_pass.contains(&standing.worker);

@@ -9,7 +9,7 @@ use crate::state::worker::Closure;
 use giveway_floor::id::{AssignmentId, ClosureId, JobId, RobotId, SeriesId, StationId};
 use giveway_floor::time::Time;
 
-/// Something that happened to an area from which robots keep out.
+/// Something that happened to an area that robots keep out of.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[repr(isize)]
 pub enum AreaFact {
@@ -17,7 +17,7 @@ pub enum AreaFact {
     Closed {
         /// The new number.
         closure: ClosureId,
-        /// Where, when, why.
+        /// Where, when and why the area is closed.
         area: Closure,
     } = 23,
     /// The closure has ended; robots may route through the area again.
@@ -31,17 +31,17 @@ pub enum AreaFact {
     Recurs {
         /// The new number.
         series: SeriesId,
-        /// Where, when, why.
+        /// Where, when and why the area is closed.
         closure: RecurringClosure,
     } = 25,
-    /// An occurrence of a recurring closure was announced, or passed over: this one is the next.
+    /// An occurrence of a recurring closure was announced or skipped, and another one is next.
     Scheduled {
         /// The recurring closure.
         series: SeriesId,
-        /// When the next one begins that is not announced; nothing where there is none.
+        /// When the next occurrence begins that has not been announced; nothing if there is none.
         next: Option<Time>,
     } = 26,
-    /// A closure recurs no more.
+    /// A closure no longer recurs.
     SeriesEnded {
         /// The recurring closure.
         series: SeriesId,
@@ -54,7 +54,7 @@ pub enum AreaFact {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[repr(isize)]
 pub enum FloorFact {
-    /// Everybody is to leave the building.
+    /// All people are to leave the building.
     Evacuated {
         /// When it happened.
         at: Time,
@@ -71,14 +71,14 @@ pub enum FloorFact {
         /// When it happened.
         at: Time,
     } = 30,
-    /// It may go on.
+    /// The robot, or the whole fleet, may go on.
     Released {
         /// The robot; nothing for the whole fleet.
         robot: Option<RobotId>,
         /// When it happened.
         at: Time,
     } = 31,
-    /// Nobody picks at a station until further notice.
+    /// Picking at a station is paused until further notice.
     StationPaused {
         /// The station.
         station: StationId,
@@ -92,23 +92,23 @@ pub enum FloorFact {
         /// When it happened.
         at: Time,
     } = 33,
-    /// Customers' keys are forgotten: their jobs and assignments are over, and were accepted long ago.
+    /// Customers' keys are forgotten: their jobs and assignments are over and were accepted long ago.
     KeysExpired {
-        /// The jobs that had them.
+        /// The jobs that had such keys.
         jobs: Vec<JobId>,
-        /// The assignments that had them.
+        /// The assignments that had such keys.
         assignments: Vec<AssignmentId>,
     } = 39,
-    /// Robots of this kind may join from now on. It replaces the added kind of its name, of which no robot is.
+    /// Robots of this kind may join from now on. It replaces the added kind of the same name, which no robot has.
     KindPut {
         /// The kind.
         kind: Box<RobotKind>,
         /// When it happened.
         at: Time,
     } = 47,
-    /// No robots of this kind join any more, and none is of it.
+    /// Robots of this kind can no longer join, and no robot has this kind.
     KindRemoved {
-        /// Its name.
+        /// The name of the kind.
         name: String,
         /// When it happened.
         at: Time,

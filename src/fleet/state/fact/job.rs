@@ -22,28 +22,28 @@ pub enum JobFact {
         /// When it happened.
         at: Time,
     } = 1,
-    /// A job came to another state, and the robot that serves it, or served it, to another task: one fact, so that
-    /// the two never disagree.
+    /// A job changed its state, and the robot that serves or served it changed its task: one fact, so that the two
+    /// never disagree.
     Progressed {
         /// The job.
         job: JobId,
         /// The new state.
         state: JobState,
-        /// The robot whose task changes with it, and that task.
+        /// The robot whose task changes with the state, and its new task.
         tasked: Option<(RobotId, Task)>,
         /// When it happened.
         at: Time,
     } = 2,
-    /// A rack was served at a station and is wanted at another one: its robot goes there, and its job goes on.
+    /// A rack was served at a station and is wanted at another one: its robot goes there, and the job goes on.
     Served {
         /// The job.
         job: JobId,
-        /// The robot, and its way to the next station.
+        /// The robot, and its task to go to the next station.
         tasked: (RobotId, Task),
         /// When it happened.
         at: Time,
     } = 3,
-    /// An operator says which robots may do a job that no robot has.
+    /// An operator said which robots may do a job that no robot has yet.
     Chosen {
         /// The job.
         job: JobId,
@@ -52,7 +52,7 @@ pub enum JobFact {
         /// When it happened.
         at: Time,
     } = 4,
-    /// A waiting job has another priority.
+    /// A waiting job got another priority.
     Prioritised {
         /// The job.
         job: JobId,
@@ -61,7 +61,7 @@ pub enum JobFact {
         /// When it happened.
         at: Time,
     } = 34,
-    /// A waiting job is another one in more than its priority.
+    /// A waiting job was changed in more than its priority.
     Changed {
         /// The job.
         job: JobId,
@@ -69,7 +69,7 @@ pub enum JobFact {
         kind: JobKind,
         /// 0 to 9.
         priority: u8,
-        /// When it should be done now.
+        /// The new deadline of the job, if it has one.
         deadline: Option<Time>,
         /// When it was changed.
         at: Time,
@@ -78,9 +78,9 @@ pub enum JobFact {
     LineChanged {
         /// The job.
         job: JobId,
-        /// Which line of this visit, counted from 0.
+        /// The line of this visit, counted from 0.
         line: usize,
-        /// What is said about it.
+        /// What is said about the line.
         change: LineChange,
         /// When it happened.
         at: Time,

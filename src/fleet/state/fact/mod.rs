@@ -1,10 +1,10 @@
 //! Facts: what happened and must not be forgotten. The ledger is a fold over them.
 //!
-//! Main type: [`Fact`], nested by what it is about. Facts carry results (the chosen route, the time), never recipes: a
+//! Main type: [`Fact`], nested by subject. Facts carry results (the chosen route, the time), never recipes: a
 //! better planner cannot rewrite history. Refuses: observations (poses, battery), which are seen again after a restart.
 //!
-//! Each kind of fact has a number. Digests of recordings are made of these numbers, so a number stays with its kind
-//! for ever, and a new kind gets the next one.
+//! Each kind of fact has a number. Digests of recordings are made of these numbers, so a kind keeps its number for
+//! ever, and a new kind gets the next one.
 
 mod floor;
 mod job;
@@ -25,27 +25,27 @@ use std::hash::{Hash, Hasher};
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fact {
-    /// To a robot.
+    /// Something that happened to a robot.
     Robot(RobotFact),
-    /// To routes.
+    /// Something that happened to routes.
     Route(RouteFact),
-    /// To a job.
+    /// Something that happened to a job.
     Job(JobFact),
-    /// To a worker.
+    /// Something that happened to a worker.
     Worker(WorkerFact),
-    /// To an assignment.
+    /// Something that happened to an assignment.
     Assignment(AssignmentFact),
-    /// To a closed area.
+    /// Something that happened to a closed area.
     Area(AreaFact),
-    /// To the floor as a whole.
+    /// Something that happened to the floor as a whole.
     Floor(FloorFact),
-    /// Between a worker and a robot; for the record.
+    /// Something that happened between a worker and a robot; for the record.
     Encounter(EncounterFact),
-    /// Something that explains the others; for the record.
+    /// Something that explains other facts; for the record.
     Noted(FloorNote),
 }
 
-/// A fact from what happened to its subject.
+/// Makes a fact from what happened to its subject.
 macro_rules! facts_about {
     ($($group:ident($of:ident)),*) => {
         $(impl From<$of> for Fact {
@@ -86,7 +86,7 @@ impl Hash for Fact {
 }
 
 impl Fact {
-    /// The one robot that the fact is about.
+    /// The robot that the fact is about, if it is about a single one.
     pub fn robot(&self) -> Option<RobotId> {
         match self {
             Fact::Robot(of) => Some(of.robot()),

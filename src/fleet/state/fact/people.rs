@@ -11,12 +11,12 @@ use giveway_floor::time::Time;
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[repr(isize)]
 pub enum WorkerFact {
-    /// A worker is known from now on, or, where the name is empty, no longer. Workers are numbered in order of joining;
-    /// when there are as many numbers as there may be, those of workers who have gone are given again.
+    /// A worker is known from now on or, if the name is empty, no longer. Workers are numbered in order of joining;
+    /// when all numbers are in use, those of workers who have gone are given again.
     Registered {
         /// The number.
         worker: WorkerId,
-        /// The name; empty where the place is free.
+        /// The name; empty if the number is free again.
         name: String,
         /// When it happened.
         at: Time,
@@ -28,22 +28,22 @@ pub enum WorkerFact {
         /// Where the worker is, as far as is known.
         place: LastPlace,
     } = 17,
-    /// Somebody vouches for where a lost worker is.
+    /// A person vouches for where a lost worker is.
     Narrowed {
         /// The worker.
         worker: WorkerId,
         /// Where the worker is, as far as is known.
         place: LastPlace,
-        /// Who says so.
+        /// The person who says so.
         by: String,
         /// When it happened.
         at: Time,
     } = 18,
-    /// A worker has left the floor, or somebody vouches that nobody is where one was lost.
+    /// A worker has left the floor, or a person vouches that no one is where a worker was lost.
     Cleared {
         /// The worker.
         worker: WorkerId,
-        /// Who says so; nobody where the headset signed off at a door.
+        /// The person who says so; nothing if the headset signed off at a door.
         by: Option<String>,
         /// When it happened.
         at: Time,
@@ -58,14 +58,14 @@ pub enum AssignmentFact {
     Assigned {
         /// The new number.
         assignment: AssignmentId,
-        /// The worker; nobody where the nearest one who is free is to get it.
+        /// The worker; nothing if the nearest free worker is to get the assignment.
         worker: Option<WorkerId>,
-        /// What.
+        /// What the worker is to do.
         request: AssignmentRequest,
         /// When it happened.
         at: Time,
     } = 20,
-    /// An assignment that nobody had was given to a worker.
+    /// An assignment without a worker was given to one.
     Given {
         /// The assignment.
         assignment: AssignmentId,
@@ -103,9 +103,9 @@ pub enum EncounterFact {
     Interrupted {
         /// The robot.
         robot: RobotId,
-        /// The worker because of whom.
+        /// The worker who was the reason.
         worker: WorkerId,
-        /// What happened to it.
+        /// How the robot reacted.
         reaction: Reaction,
         /// When it happened.
         at: Time,

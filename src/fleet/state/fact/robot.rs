@@ -23,14 +23,14 @@ pub enum RobotFact {
         /// When it happened.
         at: Time,
     } = 0,
-    /// A robot has something else to do, on which no job's state depends.
+    /// A robot has another task, on which no job's state depends.
     Tasked {
         /// The robot.
         robot: RobotId,
-        /// What.
+        /// The new task.
         task: Task,
     } = 5,
-    /// A robot does not work any more.
+    /// A robot has failed: it no longer works.
     Failed {
         /// The robot.
         robot: RobotId,
@@ -44,7 +44,7 @@ pub enum RobotFact {
         /// When it happened.
         at: Time,
     } = 14,
-    /// What is promised about a robot contradicts itself: it is treated as failed, whatever it reports, until a
+    /// What is promised about a robot contradicts itself: the robot is treated as failed, whatever it reports, until a
     /// person releases it.
     Fenced {
         /// The robot.
@@ -56,7 +56,7 @@ pub enum RobotFact {
     Maintenance {
         /// The robot.
         robot: RobotId,
-        /// Since when; nothing where it works again.
+        /// Since when; nothing if the robot works again.
         since: Option<Time>,
     } = 41,
     /// A robot is to leave the floor.
@@ -66,7 +66,7 @@ pub enum RobotFact {
         /// When it happened.
         at: Time,
     } = 42,
-    /// A robot has left the floor: it holds nothing any more.
+    /// A robot has left the floor: it no longer holds anything.
     Left {
         /// The robot.
         robot: RobotId,
@@ -84,7 +84,7 @@ pub enum RobotFact {
         /// When it happened.
         at: Time,
     } = 44,
-    /// A robot is reached by another link from now on.
+    /// A robot is reached over another link from now on.
     Linked {
         /// The robot.
         robot: RobotId,
@@ -92,13 +92,13 @@ pub enum RobotFact {
         link: String,
     } = 49,
     /// People took the rack off a robot that cannot drive, and set it down on a storage node. What the robot was to do
-    /// with it is not done any more.
+    /// with the rack is no longer done.
     RackTaken {
         /// The robot.
         robot: RobotId,
         /// The rack.
         rack: RackId,
-        /// Where it stands now.
+        /// The storage node where the rack stands now.
         node: NodeId,
         /// When it happened.
         at: Time,
@@ -109,18 +109,18 @@ pub enum RobotFact {
 /// → Idle`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Task {
-    /// Nothing: it stands where it may stay.
+    /// Nothing: the robot stands where it may stay.
     Idle,
-    /// It goes to a rack and lifts it.
+    /// The robot goes to a rack and lifts it.
     Fetch {
-        /// The job; nothing where that is over, but the robot may drive to the rack and lift it already.
+        /// The job; nothing if the job is over while the robot may already drive to the rack and lift it.
         job: Option<JobId>,
         /// The rack.
         rack: RackId,
         /// Where the rack stands.
         node: NodeId,
     },
-    /// It carries a rack to a station; its route goes on to `store`.
+    /// The robot carries a rack to a station; its route goes on to `store`.
     Deliver {
         /// The job.
         job: JobId,
@@ -131,24 +131,24 @@ pub enum Task {
         /// The storage node reserved for the rack.
         store: NodeId,
     },
-    /// It brings a rack to a storage node and sets it down.
+    /// The robot brings a rack to a storage node and sets it down.
     Store {
-        /// The job that ends with it, unless it ended at the station.
+        /// The job that ends when the rack is set down; nothing if the job ended at the station.
         job: Option<JobId>,
         /// The rack.
         rack: RackId,
         /// The storage node.
         store: NodeId,
     },
-    /// It goes somewhere without a rack, and on to `stay` where it cannot stay there.
+    /// The robot goes to `goal` without a rack, and on to `stay` if it cannot stay at `goal`.
     Move {
-        /// The job, if a customer sent it.
+        /// The job, if a customer sent the robot.
         job: Option<JobId>,
-        /// Where to.
+        /// The node that the robot is sent to.
         goal: NodeId,
-        /// Where it stays in the end.
+        /// The node where the robot stays in the end.
         stay: NodeId,
-        /// What for.
+        /// Why the robot goes there.
         purpose: Purpose,
     },
 }
@@ -160,17 +160,17 @@ pub enum Purpose {
     Charge,
     /// To be out of the way.
     Park,
-    /// Because a customer said so.
+    /// Because a customer wants it.
     Go,
 }
 
 impl Task {
-    /// To go to a node for no customer, and stay there.
+    /// The task to go to a node for no customer, and stay there.
     pub fn rest_at(stay: NodeId, purpose: Purpose) -> Task {
         Task::Move { job: None, goal: stay, stay, purpose }
     }
 
-    /// The job behind it.
+    /// The job that the task serves.
     pub fn job(&self) -> Option<JobId> {
         match *self {
             Task::Deliver { job, .. } => Some(job),
@@ -179,7 +179,7 @@ impl Task {
         }
     }
 
-    /// Whether this task asks for what a route has its robot do somewhere.
+    /// Whether this task asks for an action that a route has the robot do.
     pub fn asks_for(&self, act: Act) -> bool {
         match (act, *self) {
             (Act::Lift(rack), Task::Fetch { rack: wanted, .. }) => rack == wanted,
@@ -199,7 +199,7 @@ impl Task {
         }
     }
 
-    /// The node on which the robot ends, and which no other robot may be promised.
+    /// The node on which the robot ends, and which may be promised to no other robot.
     pub fn destination(&self) -> Option<NodeId> {
         match *self {
             Task::Idle => None,
@@ -211,7 +211,7 @@ impl Task {
 }
 
 impl RobotFact {
-    /// The robot to which it happened.
+    /// The robot that the fact is about.
     pub(crate) fn robot(&self) -> RobotId {
         match self {
             RobotFact::Registered { robot, .. }

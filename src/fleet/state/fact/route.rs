@@ -11,7 +11,7 @@ use giveway_floor::timeline::{Shift, Visit};
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[repr(isize)]
 pub enum RouteFact {
-    /// Robots hold new routes, all at once: several where they must make way for one another.
+    /// Robots hold new routes, all at once: several robots if they make way for one another.
     Routed {
         /// The routes.
         bookings: Vec<Booking>,
@@ -32,52 +32,52 @@ pub enum RouteFact {
         /// The serial number of the visit.
         serial: u64,
     } = 8,
-    /// A robot did what it was to do at a stop.
+    /// A robot finished its action at a stop.
     Acted {
         /// The robot.
         robot: RobotId,
         /// The serial number of the stop.
         serial: u64,
     } = 9,
-    /// Visits have other times now: a robot is late, and all robots that come after it are, too; or it goes on early.
+    /// Visits have new times: a robot is late, and so are all robots behind it; or a robot goes on early.
     Retimed {
         /// The robots whose visits moved.
         moved: Vec<Moved>,
     } = 10,
-    /// A robot stands and has forgotten what it was granted after this visit; that is only held now. The visit is the
-    /// one that it reached last, or the next if it stands between the two.
+    /// A robot stands and has forgotten what it was granted after this visit; the rest is only held now. The visit is
+    /// the one that the robot reached last, or the next one if it stands between the two.
     Revoked {
         /// The robot.
         robot: RobotId,
-        /// The serial number of the last visit that it keeps.
+        /// The serial number of the last visit that the robot keeps.
         serial: u64,
-        /// How often it forgot what it was granted, by now.
+        /// How often the robot has forgotten what it was granted, by now.
         recalls: u64,
         /// When it happened.
         at: Time,
     } = 11,
-    /// These robots keep what they were granted, for ever for all we know, and nothing more.
+    /// These robots keep what they were granted, for an unknown time, and nothing more.
     Truncated {
         /// The robots, and what they keep.
         robots: Vec<KeptRoute>,
     } = 12,
-    /// A robot was found standing on a node that it did not hold: it holds that and nothing else from now on, and has
-    /// no stops any more.
+    /// A robot was found standing on a node that it did not hold: from now on it holds that node and nothing else, and
+    /// has no stops.
     Placed {
         /// The robot.
         robot: RobotId,
         /// Where it stands.
         node: NodeId,
-        /// The serial number of this visit; later than any that it had.
+        /// The serial number of this visit, later than any that the robot had.
         serial: u64,
-        /// Robots that were promised this place, or would have had to pass those: what they keep.
+        /// What other robots keep that were promised this node, or would have had to pass such robots.
         cut: Vec<KeptRoute>,
         /// When it happened.
         at: Time,
     } = 40,
 }
 
-/// Visits of one robot that have other times now.
+/// Visits of one robot that have new times.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Moved {
     /// The robot.
@@ -93,7 +93,7 @@ pub struct KeptRoute {
     pub robot: RobotId,
     /// One past the serial number of the last visit that stays.
     pub end: u64,
-    /// Those that stay and have other times now, in order.
+    /// The kept visits that have new times, in order.
     pub shifts: Vec<Shift>,
 }
 
@@ -104,24 +104,24 @@ pub struct Booking {
     pub robot: RobotId,
     /// The serial number of the visit that stays.
     pub keep: u64,
-    /// That visit, with its new departure.
+    /// The visit that stays, with its new departure.
     pub kept: Visit,
-    /// The visits after it.
+    /// The visits after the one that stays.
     pub visits: Vec<Visit>,
-    /// Where it is to do something, by serial number.
+    /// Where the robot is to do something, by serial number.
     pub stops: Vec<Stop>,
 }
 
 /// What a robot does at a stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Act {
-    /// Lifts the rack above it.
+    /// Lifts the rack above the robot.
     Lift(RackId),
-    /// Sets its rack down.
+    /// Sets the robot's rack down.
     Set(RackId),
-    /// Waits until the person at the station says that the pick has ended; planned to take so long.
+    /// Waits until the person at the station says that the pick has ended; planned to take this long.
     Pick(Span),
-    /// Nothing: it has arrived.
+    /// Does nothing: the robot has arrived.
     Arrive,
 }
 
@@ -130,12 +130,12 @@ pub enum Act {
 pub struct Stop {
     /// The serial number of the visit.
     pub serial: u64,
-    /// What.
+    /// What the robot does there.
     pub act: Act,
 }
 
 impl RouteFact {
-    /// The one robot whose route it is about; nothing where it may be about several.
+    /// The robot whose route the fact is about; nothing if it may be about several.
     pub(crate) fn robot(&self) -> Option<RobotId> {
         match self {
             RouteFact::Granted { robot, .. }

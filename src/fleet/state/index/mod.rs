@@ -19,12 +19,12 @@ use giveway_floor::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// For how long the ledger knows that a job was cancelled or failed: jobs that are to come after it fail as well.
+/// How long the ledger knows that a job was cancelled or failed: jobs that are to come after it fail as well.
 pub const BAD_END_KNOWN: Span = Span::from_secs(7 * 24 * 3600);
 /// How many badly ended jobs the ledger knows at most; the oldest is forgotten first.
 pub const BAD_ENDS_MAX: usize = 100_000;
 
-/// Everything that is looked up. Ledgers are equal without regard to it.
+/// Everything that can be looked up. Ledgers are equal whatever their indexes hold.
 #[derive(Clone, Debug)]
 pub struct Index {
     /// Robots and racks by node.
@@ -33,7 +33,7 @@ pub struct Index {
     pub queue: Queue,
     /// Jobs by the jobs that they come after.
     pub waits: SuccessorIndex,
-    /// Waiting jobs for a rack which not every robot may do, since an operator chose.
+    /// Waiting jobs for a rack that not every robot may do, because an operator chose.
     pub chosen: BTreeSet<JobId>,
     /// Waiting jobs for a robot that the customer named, by robot.
     named: BTreeMap<RobotId, BTreeSet<JobId>>,
@@ -41,9 +41,9 @@ pub struct Index {
     present: Arc<[RobotId]>,
     /// Open assignments by worker.
     assignments: BTreeMap<WorkerId, BTreeSet<AssignmentId>>,
-    /// Open assignments that nobody has yet.
+    /// Open assignments that no worker has yet.
     unassigned: BTreeSet<AssignmentId>,
-    /// Counts every closure that was announced or taken back.
+    /// How many closures were announced or taken back so far.
     closure_changes: u64,
 }
 
@@ -54,7 +54,7 @@ impl PartialEq for Index {
 }
 
 impl Index {
-    /// Of an empty ledger.
+    /// The index of an empty ledger.
     pub fn new(warehouse: &Warehouse) -> Index {
         Index {
             places: Places::new(warehouse),
@@ -74,7 +74,7 @@ impl Index {
         &self.present
     }
 
-    /// These robots are on the floor.
+    /// Notes which robots are on the floor.
     pub(in crate::state) fn note_present(&mut self, robots: impl Iterator<Item = RobotId>) {
         self.present = robots.collect();
     }
@@ -89,17 +89,17 @@ impl Index {
         self.assignments.keys().copied()
     }
 
-    /// Counts every closure that was announced or taken back.
+    /// How many closures were announced or taken back so far.
     pub fn closure_changes(&self) -> u64 {
         self.closure_changes
     }
 
-    /// A closure was announced or taken back.
+    /// Notes that a closure was announced or taken back.
     pub(in crate::state) fn note_closure_change(&mut self) {
         self.closure_changes += 1;
     }
 
-    /// Closures are counted on from another index.
+    /// Continues the count of closure changes from another index.
     pub(in crate::state) fn count_closures_from(&mut self, other: &Index) {
         self.closure_changes = other.closure_changes + 1;
     }
@@ -109,7 +109,7 @@ impl Index {
         self.named.get(&robot).into_iter().flatten().copied()
     }
 
-    /// Keeps the list of jobs that wait for a robot that the customer named.
+    /// Updates the list of jobs that wait for a robot that the customer named.
     pub(in crate::state) fn note_named(&mut self, id: JobId, kind: &JobKind, state: JobState) {
         let Some(robot) = kind.robot() else { return };
         let waiting = self.named.entry(robot).or_default();
@@ -122,7 +122,7 @@ impl Index {
         }
     }
 
-    /// Assignments that nobody has yet, oldest first.
+    /// Assignments that no worker has yet, oldest first.
     pub fn unassigned(&self) -> impl Iterator<Item = AssignmentId> + '_ {
         self.unassigned.iter().copied()
     }

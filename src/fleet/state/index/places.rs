@@ -1,4 +1,4 @@
-//! Which robot and which rack is where, or will be: by node.
+//! Which robot and which rack is, or will be, where: by node.
 //!
 //! Main type: [`Places`]. Refuses: to know why a robot goes anywhere.
 
@@ -33,7 +33,7 @@ pub struct Places {
     robots: BTreeMap<RobotId, Claim>,
     /// Chargers, parking places and storage nodes that no robot claims.
     free: [BTreeSet<NodeId>; 3],
-    /// In which of them a node is, if in any.
+    /// The index in `free` of the set for a node's kind, if it has one.
     kinds: IdVec<NodeId, Option<u8>>,
     stored: IdVec<NodeId, Option<RackId>>,
     racks: IdVec<RackId, Option<NodeId>>,
@@ -117,7 +117,7 @@ impl Places {
         self.fetchers[rack] > 0
     }
 
-    /// Where a robot's route and its task end.
+    /// Notes where a robot's route and its task end.
     pub(crate) fn claim(&mut self, robot: RobotId, end: Option<NodeId>, bound: Option<NodeId>) {
         let before = self.robots.entry(robot).or_default();
         let old = *before;
@@ -139,7 +139,7 @@ impl Places {
         }
     }
 
-    /// Which rack a robot is on its way to. Gives the one before, if it is another.
+    /// Notes which rack a robot is on its way to. Returns the rack before, if it is another.
     pub(crate) fn fetches(&mut self, robot: RobotId, rack: Option<RackId>) -> Option<RackId> {
         let claim = self.robots.entry(robot).or_default();
         let before = std::mem::replace(&mut claim.fetches, rack);
@@ -151,7 +151,7 @@ impl Places {
         before
     }
 
-    /// Where a rack stands; nothing while it is on a robot.
+    /// Notes where a rack stands; nothing while it is on a robot.
     pub(crate) fn store(&mut self, rack: RackId, node: Option<NodeId>) {
         let before = std::mem::replace(&mut self.racks[rack], node);
         if let Some(n) = before.filter(|n| self.stored[*n] == Some(rack)) {
@@ -162,7 +162,7 @@ impl Places {
         }
     }
 
-    /// Notes where a job wants its rack; nothing once it is over.
+    /// Notes where a job wants its rack; nothing once the job is over.
     pub(crate) fn relocates(&mut self, id: JobId, job: Option<&Job>) {
         if let Some(key) = self.relocating.remove(&id) {
             let count = self.relocations.get_mut(&key).expect("it was counted");

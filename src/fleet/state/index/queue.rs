@@ -11,15 +11,15 @@ use giveway_floor::time::{Span, Time};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-/// A deadline counts from this long before it.
+/// How long before a deadline it begins to count.
 const NEAR: Span = Span::from_secs(600);
-/// It counts more and more until this long after it.
+/// How long after a deadline it counts more and more.
 const LATEST: Span = Span::from_secs(600);
-/// What one step of priority is worth, what a second of waiting is worth, milliseconds.
+/// What one step of priority is worth, milliseconds; waiting counts for its time divided by `AGE_SHARE`.
 const PRIORITY_MS: i64 = 120_000;
 const AGE_SHARE: i64 = 4;
 
-/// Where a job's rack is to go, as far as it matters for whether the job may start.
+/// Where a job's rack is to go, as far as that decides whether the job may start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RackGoal {
     /// To a station.
@@ -31,17 +31,17 @@ pub enum RackGoal {
 /// How near the deadline of a job is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DeadlineStage {
-    /// It has none, or it is far away: age counts.
+    /// The job has no deadline, or a distant one: age counts.
     Plain,
-    /// It is near: the nearer, the more urgent.
+    /// The deadline is near: the nearer, the more urgent.
     Near,
-    /// It is over: age counts, and by how much the job is late.
+    /// The deadline is over: age counts, and by how much the job is late.
     Late,
-    /// It is over for long: age counts.
+    /// The deadline has been over for long: age counts.
     Overdue,
 }
 
-/// Jobs whose order never changes.
+/// Jobs whose order among themselves never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct QueueLine {
     priority: u8,
@@ -69,15 +69,15 @@ struct QueueEntry {
 pub struct Queue {
     entries: BTreeMap<JobId, QueueEntry>,
     lines: BTreeMap<QueueLine, BTreeSet<Rank>>,
-    /// Jobs that come after no other that is not over, by priority and age.
+    /// Jobs that no other job keeps from starting, by priority and age.
     ready: BTreeMap<u8, BTreeSet<JobId>>,
     racks: BTreeMap<RackId, RackQueue>,
-    /// The first ones of each line for racks that are free.
+    /// The first job of each line for each rack that is free.
     heads: BTreeMap<(RackGoal, QueueLine), BTreeMap<Rank, RackId>>,
     free: IdVec<RackId, bool>,
     /// Jobs per rack, ready or not.
     wanted: BTreeMap<RackId, BTreeSet<JobId>>,
-    /// When a deadline comes to another stage.
+    /// When deadlines come to another stage.
     changes: BTreeSet<(Time, JobId)>,
     as_of: Time,
 }
@@ -102,7 +102,7 @@ impl Queue {
         self.entries.len()
     }
 
-    /// Whether none does.
+    /// Whether no job waits.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
@@ -112,12 +112,12 @@ impl Queue {
         !self.heads.is_empty()
     }
 
-    /// Up to when deadlines were looked at.
+    /// The time up to which deadlines were looked at.
     pub fn as_of(&self) -> Time {
         self.as_of
     }
 
-    /// For each priority, since when the oldest job has waited that nothing keeps from starting.
+    /// For each priority, since when the oldest job that no other keeps from starting has waited.
     pub fn oldest(&self, now: Time) -> [Time; 10] {
         let mut oldest = [now; 10];
         for (priority, jobs) in &self.ready {
@@ -170,8 +170,8 @@ impl Queue {
         lines.filter_map(|jobs| jobs.first().map(|(_, id)| *id))
     }
 
-    /// Jobs for racks that nothing but others keeps from starting and whose goal is open, most urgent first: those
-    /// among the first `looked` of all that wait.
+    /// Jobs for racks that only the jobs ahead of them keep from starting, and whose goal is open, most urgent first;
+    /// among the first `looked` waiting jobs.
     pub fn in_line<'a>(
         &'a self,
         now: Time,
@@ -190,7 +190,7 @@ impl Queue {
         urgency_ms(e.line.priority, e.accepted, e.deadline, now, oldest[usize::from(e.line.priority)])
     }
 
-    /// Notes which deadlines have come nearer.
+    /// Notes which deadlines have come to another stage.
     pub fn advance(&mut self, now: Time) {
         self.as_of = self.as_of.max(now);
         while let Some((at, id)) = self.changes.first().copied().filter(|(at, _)| *at <= self.as_of) {
@@ -239,7 +239,7 @@ impl Queue {
         }
     }
 
-    /// Finds the line of a job and its place there; notes when that changes.
+    /// Finds the line of a job and its place there; notes when that will change.
     fn place(&mut self, id: JobId, entry: &mut QueueEntry) {
         let Some(deadline) = entry.deadline else { return };
         let (stage, change) = stage(deadline, self.as_of);
@@ -300,7 +300,7 @@ impl Queue {
     }
 }
 
-/// Takes an item out of a set, and the set out of the map where it was the last.
+/// Takes an item out of a set, and the set out of the map if it is empty then.
 fn drop_from<K: Ord + Copy, T: Ord>(sets: &mut BTreeMap<K, BTreeSet<T>>, key: K, item: &T) {
     let Some(set) = sets.get_mut(&key) else { return };
     set.remove(item);
@@ -343,7 +343,7 @@ fn merge<L: Iterator<Item = JobId>>(
     })
 }
 
-/// How near a deadline is, and when that changes.
+/// The stage of a deadline, and when that changes.
 fn stage(deadline: Time, now: Time) -> (DeadlineStage, Option<Time>) {
     let left = deadline - now;
     match () {
@@ -354,9 +354,9 @@ fn stage(deadline: Time, now: Time) -> (DeadlineStage, Option<Time>) {
     }
 }
 
-/// Priority, nearness of the deadline and age, milliseconds. A job whose deadline is near stands in line as if it
-/// were the `oldest` of its priority, and the nearer the deadline, the farther before it: however long others have
-/// waited, they can wait a little longer, and the deadline cannot.
+/// How urgent a job is by its priority, the nearness of its deadline and its age, milliseconds. A job whose deadline is
+/// near counts as if it were the `oldest` of its priority, and the nearer the deadline, the more urgent than that:
+/// however long others have waited, they can wait a little longer, and the deadline cannot.
 pub fn urgency_ms(priority: u8, accepted: Time, deadline: Option<Time>, now: Time, oldest: Time) -> i64 {
     let left = deadline.map_or(Span::MAX, |d| (d - now).max(Span::from_secs(-3600)));
     let since = if Span::ZERO < left && left < NEAR { oldest } else { accepted };

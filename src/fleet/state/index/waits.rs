@@ -8,7 +8,7 @@ use giveway_floor::time::Time;
 use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// So many of the oldest bad ends are looked at for one that may be forgotten.
+/// How many of the oldest bad ends are looked at for one that may be forgotten.
 const LOOKED_AT: usize = 64;
 
 /// Jobs by the jobs that they come after.
@@ -16,11 +16,11 @@ const LOOKED_AT: usize = 64;
 pub struct SuccessorIndex {
     /// For each job that is not over, or ended badly: the waiting jobs that come after it.
     dependants: BTreeMap<JobId, BTreeSet<JobId>>,
-    /// For each waiting job: those that keep it from starting, in the order of the request.
+    /// For each waiting job, the jobs that keep it from starting, in the order of the request.
     pending: BTreeMap<JobId, SmallVec<[JobId; 2]>>,
     /// Jobs that ended badly and still have dependants, all of which have to fail.
     doomed: BTreeSet<JobId>,
-    /// Jobs that ended badly, by when.
+    /// Jobs that ended badly, by time.
     bad_ends: BTreeSet<(Time, JobId)>,
 }
 
@@ -46,7 +46,7 @@ impl SuccessorIndex {
         Some((*self.dependants.get(&bad)?.first()?, bad))
     }
 
-    /// Takes in a waiting job and those that keep it from starting. Whether there are any.
+    /// Takes in a waiting job and the jobs that keep it from starting. Returns whether there are any.
     pub(crate) fn add(
         &mut self,
         id: JobId,
@@ -71,7 +71,7 @@ impl SuccessorIndex {
         is_blocked
     }
 
-    /// Forgets a job as one that comes after others.
+    /// Forgets which jobs a job comes after.
     pub(crate) fn remove(&mut self, id: JobId) {
         for before in self.pending.remove(&id).into_iter().flatten() {
             let Some(dependants) = self.dependants.get_mut(&before) else { continue };
@@ -83,7 +83,7 @@ impl SuccessorIndex {
         }
     }
 
-    /// A job is done. Gives the jobs that nothing keeps from starting any more.
+    /// Notes that a job is done. Returns the jobs that nothing keeps from starting any more.
     pub(crate) fn ends_well(&mut self, id: JobId) -> Vec<JobId> {
         let dependants = self.dependants.remove(&id).unwrap_or_default();
         let free = dependants.into_iter().filter(|d| {
@@ -96,7 +96,7 @@ impl SuccessorIndex {
         free
     }
 
-    /// A job was cancelled, or failed: those that come after it will never start.
+    /// Notes that a job was cancelled or failed: the jobs behind it will never start.
     pub(crate) fn note_bad_end(&mut self, id: JobId, at: Time) {
         self.bad_ends.insert((at, id));
         if self.dependants.contains_key(&id) {
@@ -104,7 +104,7 @@ impl SuccessorIndex {
         }
     }
 
-    /// Forgets a bad end that is too old, or one too many, and that keeps nothing from starting. Gives which.
+    /// Forgets a bad end that is too old, or one too many, and keeps nothing from starting. Returns the job.
     pub(crate) fn forget_bad_end(&mut self, now: Time) -> Option<JobId> {
         let too_many = self.bad_ends.len() > BAD_ENDS_MAX;
         let oldest = self.bad_ends.iter().take(LOOKED_AT);

@@ -1,7 +1,7 @@
 //! How facts change the ledger: the only code that does, live and on load alike.
 //!
-//! Main function: [`Ledger::evolve`]. It asserts that what it is told is possible: a journal that books a lane twice
-//! does not load. Refuses: to decide anything.
+//! Main function: [`Ledger::evolve`]. It asserts that each fact is possible: a journal that books a lane twice does not
+//! load. Refuses: to decide anything.
 
 use super::{Ledger, RackAt, Robot, Service, Unconfirmed, stand};
 use crate::state::fact::{
@@ -22,7 +22,7 @@ impl Ledger {
     /// Takes one fact in.
     ///
     /// # Panics
-    /// If the fact cannot be: the journal or the planner is broken, and going on would make it worse.
+    /// If the fact is impossible: the journal or the planner is broken, and going on would make it worse.
     pub fn evolve(&mut self, fact: &Fact) {
         let moved = self.rack_moved_by(fact);
         self.take_in(fact);
@@ -211,7 +211,7 @@ impl Ledger {
         self.index.note_named(id, &request.kind, JobState::Waiting);
     }
 
-    /// What is said about a line of the visit that is on.
+    /// Changes a line of the visit in progress, or of one whose rack left before its last line was confirmed.
     fn change_line(&mut self, id: JobId, line: usize, change: LineChange) {
         let left = self.promises.unconfirmed.iter_mut().find(|(_, u)| u.job == id);
         let lines = if let Some((_, unconfirmed)) = left {
@@ -231,7 +231,7 @@ impl Ledger {
         self.promises.unconfirmed.retain(|_, u| !u.lines.are_over());
     }
 
-    /// A job that waits becomes another one.
+    /// Changes a waiting job in more than its priority.
     fn change_job(&mut self, id: JobId, kind: JobKind, priority: u8, deadline: Option<Time>) {
         let job = self.promises.jobs.get_mut(&id).expect("only live jobs change");
         assert_eq!(job.state, JobState::Waiting, "{id:?} is changed while a robot has it");
@@ -281,7 +281,7 @@ impl Ledger {
         self.timeline.grant(robot, 0, at);
     }
 
-    /// A robot has left the floor. Only one that has nothing to do and carries nothing may.
+    /// A robot has left the floor. Only a robot that has nothing to do and carries nothing may leave.
     fn leave(&mut self, robot: RobotId, at: Time) {
         assert_eq!(self.rack_on(robot), None, "{robot:?} leaves with a rack");
         let record = &mut self.promises.robots[robot];
@@ -302,7 +302,7 @@ impl Ledger {
         self.timeline.place(robot, serial, stand(node, at), &[]);
     }
 
-    /// Brings a job to another state, and its robot to the task that goes with it.
+    /// Changes the state of a job and, with it, the task of its robot.
     fn progress(&mut self, id: JobId, state: JobState, tasked: Option<(RobotId, Task)>) {
         let job = self.promises.jobs.get_mut(&id).expect("only live jobs progress");
         let (kind, before) = (job.request.kind, job.state);
@@ -368,8 +368,8 @@ impl Ledger {
         assert!(same, "{robot:?} cannot go from {old:?} to {task:?} without its job");
     }
 
-    /// A robot gets a task. What it does not ask for any more is not done on the route that the robot has, which it
-    /// drives on until there is a better one; what was granted is done all the same.
+    /// Gives a robot a task. Stops that the task does not ask for are dropped from the robot's present route, on which
+    /// it drives on until there is a better one; granted stops are done all the same.
     fn give(&mut self, robot: RobotId, task: Task) {
         let granted = self.chain(robot).granted();
         let record = &mut self.promises.robots[robot];
@@ -434,7 +434,7 @@ impl Ledger {
         }
     }
 
-    /// People set a rack down that was on a robot.
+    /// People took a rack off a robot and set it down.
     fn take_rack(&mut self, robot: RobotId, rack: RackId, node: NodeId) {
         assert_eq!(self.promises.racks[rack], RackAt::On(robot), "{robot:?} had {rack:?} on it");
         assert_eq!(self.index.places.rack_on(node), None, "one rack on a node");
@@ -447,7 +447,7 @@ impl Ledger {
         self.interrupt(robots);
     }
 
-    /// A robot stands elsewhere: it holds that place alone, and others lose what they were promised there.
+    /// A robot stands elsewhere: it holds that node alone, and others lose what they were promised there.
     fn place(&mut self, robot: RobotId, node: NodeId, serial: u64, cut: &[KeptRoute], at: Time) {
         let visit = Visit { loaded: self.rack_on(robot).is_some(), ..stand(node, at) };
         self.timeline.place(robot, serial, visit, &kept(cut));
@@ -464,7 +464,8 @@ impl Ledger {
         }
     }
 
-    /// Asserts for everything open what each fact asserts for itself: for laws, looks at everything.
+    /// Asserts for everything open what each fact asserts for itself. For the laws of simulations: it checks
+    /// everything.
     pub fn assert_sound(&self) {
         self.timeline.assert_sound();
         for (id, job) in &self.jobs {

@@ -38,32 +38,32 @@ pub enum RackAt {
     On(RobotId),
 }
 
-/// A visit whose rack has left while its last line was not confirmed: the piece is on its way to the tote.
+/// A visit whose rack has left before its last line was confirmed: the piece is on its way to the tote.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unconfirmed {
-    /// The job, which is done but for this.
+    /// The job, which is done except for this.
     pub job: JobId,
-    /// Its lines at this station.
+    /// The job's lines at this station.
     pub lines: Lines,
 }
 
 /// Whether a robot works on this floor: by registration, maintenance and leaving.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Service {
-    /// It does.
+    /// The robot works.
     #[default]
     Works,
-    /// It is to be maintained, or is: it takes no jobs.
+    /// The robot is to be maintained, or is being maintained: it takes no jobs.
     Maintenance {
         /// Since when.
         since: Time,
     },
-    /// It is to leave: it finishes what it has begun, and is gone when it is heard of no more.
+    /// The robot is to leave: it finishes what it has begun, and is gone when it is no longer heard of.
     Leaving {
         /// Since when.
         since: Time,
     },
-    /// It has left. Registered again, it works again.
+    /// The robot has left. If it is registered again, it works again.
     Gone {
         /// Since when.
         since: Time,
@@ -71,13 +71,13 @@ pub enum Service {
 }
 
 impl Robot {
-    /// Whether it has left the floor.
+    /// Whether the robot has left the floor.
     pub fn is_gone(&self) -> bool {
         matches!(self.service, Service::Gone { .. })
     }
 }
 
-/// A robot as it was told to be.
+/// A robot's record in the ledger: what it was told.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Robot {
     /// Its name.
@@ -86,27 +86,27 @@ pub struct Robot {
     pub kind: String,
     /// The name of the link by which it is reached.
     pub link: String,
-    /// What it is doing.
+    /// What the robot is doing.
     pub task: Task,
     /// Stops ahead, in order.
     pub stops: Vec<Stop>,
-    /// The last stop at which it is done.
+    /// The serial number of the last stop at which the robot is done.
     pub acted: Option<u64>,
-    /// Whether it cannot drive.
+    /// Whether the robot cannot drive.
     pub failed: bool,
-    /// Whether its route was cut and not yet replaced.
+    /// Whether the robot's route was cut and not yet replaced.
     pub interrupted: bool,
-    /// Since when it is to stand, by hand.
+    /// Since when the robot is to stand, by hand.
     pub paused: Option<Time>,
-    /// Since when it is fenced off, since what is promised about it contradicts itself.
+    /// Since when the robot is fenced off, because what is promised about it contradicts itself.
     pub fenced: Option<Time>,
-    /// Whether it works on this floor.
+    /// Whether the robot works on this floor.
     pub service: Service,
-    /// How often it forgot what it was granted.
+    /// How often the robot forgot what it was granted.
     pub recalls: u64,
 }
 
-/// What was promised, but for the holds.
+/// What was promised, except for the holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Promises {
     /// Jobs that are not over.
@@ -135,13 +135,13 @@ pub struct Promises {
     pub closures: BTreeMap<ClosureId, Closure>,
     /// The number of the next closure.
     pub next_closure: u64,
-    /// Areas that are closed again and again.
+    /// Recurring closures: areas that are closed again and again.
     pub recurring: BTreeMap<SeriesId, RecurringClosure>,
-    /// The number of the next of those.
+    /// The number of the next recurring closure.
     pub next_series: u64,
-    /// Since when everybody is to leave the building.
+    /// Since when people are to leave the building.
     pub evacuation: Option<Time>,
-    /// Stations at which nobody picks, since when.
+    /// Stations at which picking is paused, and since when.
     pub paused_stations: BTreeMap<StationId, Time>,
     /// For each station the visit whose rack left at the last grasp, until its last line is confirmed.
     pub unconfirmed: BTreeMap<StationId, Unconfirmed>,
@@ -149,7 +149,7 @@ pub struct Promises {
     pub stopped: Option<Time>,
     /// Jobs that were cancelled or failed lately, with when: jobs that are to come after them fail as well.
     pub ended_badly: BTreeMap<JobId, Time>,
-    /// Sums.
+    /// Sums over facts.
     pub counts: Sums,
     /// How often each rack was wanted lately.
     pub wishes: Wishes,
@@ -163,7 +163,7 @@ pub struct Ledger {
     kinds: RobotKinds,
     /// All holds.
     timeline: Timeline,
-    /// What is looked up instead of searched. It follows from the rest: see [`Ledger::reindex`].
+    /// What can be looked up instead of searched. It follows from the rest: see [`Ledger::reindex`].
     index: Index,
 }
 
@@ -197,7 +197,7 @@ pub struct Sums {
 }
 
 impl Ledger {
-    /// Whether a worker has this number: not everybody who ever had it has left for good.
+    /// Whether a worker has this number: it was given, and the worker who got it last has not left for good.
     pub fn knows(&self, worker: WorkerId) -> bool {
         self.promises.workers.get(worker).is_some_and(|name| !name.is_empty())
     }
@@ -212,7 +212,7 @@ impl Ledger {
         self.promises.robots.iter().filter(|r| r.kind == kind).count()
     }
 
-    /// Robots that are of no kind that there is, each with its kind: the site's file had it once.
+    /// Robots of a kind that does not exist, each with the name of the kind: the site's file had it once.
     pub fn unknown_kinds(&self) -> Vec<(&str, &str)> {
         let unknown = self.promises.robots.iter().filter(|r| self.kinds.named(&r.kind).is_none());
         unknown.map(|r| (r.name.as_str(), r.kind.as_str())).collect()
@@ -257,12 +257,12 @@ impl Ledger {
         &self.timeline
     }
 
-    /// What is looked up instead of searched.
+    /// What can be looked up instead of searched.
     pub fn index(&self) -> &Index {
         &self.index
     }
 
-    /// The queue of waiting jobs goes by this time from now on.
+    /// Has the queue of waiting jobs go by this time from now on.
     pub fn advance_queue(&mut self, now: Time) {
         self.index.queue.advance(now);
     }
@@ -273,7 +273,7 @@ impl Ledger {
     }
 }
 
-/// Standing on a node for ever.
+/// A visit that stands on a node for ever.
 pub fn stand(node: NodeId, at: Time) -> Visit {
     let (loaded, stay) = (false, Span::ZERO);
     Visit { node, lane: None, loaded, enter: at, arrive: at, depart: Time::MAX, leave: Time::MAX, stay }

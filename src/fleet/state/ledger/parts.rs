@@ -1,7 +1,7 @@
-//! An empty ledger, and one from what was written down of it.
+//! An empty ledger, and a ledger restored from what was stored of it.
 //!
-//! Main types: [`Parts`] (everything of a ledger, plain), [`Contradiction`]. Refuses: parts that contradict the map
-//! or one another, in words; a ledger that this program wrote down never does.
+//! Main types: [`Parts`] (all contents of a ledger, plain), [`Contradiction`]. Refuses: parts that contradict the map
+//! or one another, in words; a ledger that this program stored never does.
 
 use super::{Ledger, Promises, RackAt, Sums};
 use crate::state::fact::{Act, Task};
@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// Everything of a ledger.
+/// All contents of a ledger.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts {
     /// What was promised, without the holds.
@@ -37,39 +37,39 @@ impl Deref for Parts {
     }
 }
 
-/// Why parts make no ledger.
+/// Why parts do not make a ledger.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Contradiction {
     /// Holds contradict one another.
     #[error(transparent)]
     Holds(#[from] Flaw),
-    /// There is not one entry for each of the map's things.
+    /// The number of entries is not that of the map.
     #[error("there are {found} {what}, and the map has {expected}")]
     Count {
-        /// Of what.
+        /// What is counted.
         what: &'static str,
         /// How many there are.
         found: usize,
         /// How many there should be.
         expected: usize,
     },
-    /// Something names what does not exist.
+    /// A part names something that does not exist.
     #[error("{what} names something that does not exist")]
     Unknown {
-        /// What does.
+        /// The part that does.
         what: String,
     },
     /// A rack is at a place where it cannot be.
     #[error("rack {rack:?} is at a place where another one is")]
     Rack {
-        /// Which.
+        /// The rack.
         rack: RackId,
     },
 }
 
 impl Ledger {
-    /// Nothing promised; racks at home. The building is for the kinds of the site. `without_conflicts` is for the bound
-    /// on throughput only.
+    /// A ledger in which nothing is promised and racks are at home. The building is for the kinds of the site.
+    /// `without_conflicts` is for the bound on throughput only.
     pub fn new(warehouse: Arc<Warehouse>, site_kinds: &[RobotKind], without_conflicts: bool) -> Ledger {
         let kinds = RobotKinds::of_site(site_kinds);
         let clearance = kinds.clearance();
@@ -108,7 +108,7 @@ impl Ledger {
         ledger
     }
 
-    /// Nothing promised, in the same building, with the kinds of the site alone: what a fold of all facts begins with.
+    /// An empty ledger in the same building, with the kinds of the site alone: what a fold of all facts begins with.
     pub fn emptied(&self) -> Ledger {
         let bodies = self.kinds.site().iter().map(RobotKind::body).collect();
         let warehouse = match self.kinds.added() {
@@ -118,7 +118,7 @@ impl Ledger {
         Ledger::new(warehouse, self.kinds.site(), false)
     }
 
-    /// Everything that there is to write down.
+    /// All contents, to be stored.
     pub fn to_parts(&self) -> Parts {
         let chains = self.timeline.chains().map(|(holder, chain)| ChainParts {
             holder,
@@ -131,10 +131,10 @@ impl Ledger {
         Parts { promises: self.promises.clone(), added_kinds, chains: chains.collect() }
     }
 
-    /// A ledger that is exactly this, in a building for the kinds of its site.
+    /// A ledger with exactly these parts, in a building for the kinds of its site.
     ///
     /// # Errors
-    /// The first thing that cannot be.
+    /// The first contradiction.
     pub fn from_parts(
         warehouse: Arc<Warehouse>,
         site_kinds: &[RobotKind],
@@ -176,7 +176,7 @@ fn check_counts(w: &Warehouse, (p, chains): (&Promises, &[ChainParts])) -> Resul
     }
 }
 
-/// Everything that is named exists.
+/// Checks that everything that is named exists.
 fn check_names(w: &Warehouse, p: &Promises) -> Result<(), Contradiction> {
     let node = |n: NodeId| n.ix() < w.nodes.len();
     let rack = |r: RackId| r.ix() < w.racks.len();
@@ -233,7 +233,7 @@ fn check_names(w: &Warehouse, p: &Promises) -> Result<(), Contradiction> {
     Ok(())
 }
 
-/// One rack on a node, and one on a robot.
+/// Checks that no node and no robot has two racks.
 fn check_racks(p: &Promises) -> Result<(), Contradiction> {
     let (mut nodes, mut robots) = (BTreeSet::new(), BTreeSet::new());
     for (rack, at) in p.racks.pairs() {

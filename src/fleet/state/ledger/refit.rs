@@ -1,18 +1,17 @@
-//! How kinds of robots that come and go change the ledger: its building is always for all kinds, in their order.
+//! How robot kinds that come and go change the ledger: its building is always for all kinds, in their order.
 //!
-//! Facts about a kind whose name the site's file has by now change nothing: the file may be changed between two
-//! starts, and what it says goes first. Refuses: to ask whether the floor was drawn for a kind; that was found out
-//! before.
+//! Facts about a kind whose name is by now in the site's file change nothing: the file may be changed between two
+//! starts, and it takes precedence. Refuses: to check whether the floor was drawn for a kind; that was done before.
 
 use super::Ledger;
 use crate::state::kind::RobotKind;
 use std::sync::Arc;
 
 impl Ledger {
-    /// Robots of a kind may join.
+    /// Lets robots of a kind join.
     ///
     /// # Panics
-    /// If robots are of another one of its name.
+    /// If robots are of another kind of the same name.
     pub(super) fn put_kind(&mut self, kind: &RobotKind) {
         if self.kinds.is_of_site(&kind.name) || self.kinds.named(&kind.name) == Some(kind) {
             return;
@@ -22,10 +21,10 @@ impl Ledger {
         self.refit();
     }
 
-    /// No robots of a kind join any more.
+    /// Lets robots of a kind no longer join.
     ///
     /// # Panics
-    /// If robots are of it, or it was not added.
+    /// If robots are of the kind, or it was not added.
     pub(super) fn remove_kind(&mut self, name: &str) {
         if self.kinds.is_of_site(name) {
             return;
@@ -35,7 +34,7 @@ impl Ledger {
         self.refit();
     }
 
-    /// The building for all kinds, with the same holds in it.
+    /// Makes the building for all kinds, with the same holds in it.
     fn refit(&mut self) {
         let bodies = self.kinds.iter().map(RobotKind::body).collect();
         let warehouse = Arc::new(self.warehouse().with_bodies(bodies));

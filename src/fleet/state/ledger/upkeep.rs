@@ -1,4 +1,4 @@
-//! How facts change the index of the ledger: what is looked up follows from what was promised.
+//! How facts change the index of the ledger, which follows from what was promised.
 //!
 //! Refuses: to hold anything that the ledger does not say.
 
@@ -11,7 +11,7 @@ use giveway_floor::time::Time;
 use std::collections::BTreeMap;
 
 impl Ledger {
-    /// Makes the index anew from the rest of the ledger: after it was put together from stored parts.
+    /// Rebuilds the index from the rest of the ledger, after that was put together from stored parts.
     pub fn reindex(&mut self) {
         let mut index = Index::new(self.warehouse());
         index.queue.advance(self.index.queue.as_of());
@@ -36,10 +36,10 @@ impl Ledger {
         }
     }
 
-    /// Compares the index with one that is made anew.
+    /// Compares the index with a rebuilt one.
     ///
     /// # Panics
-    /// If they differ: some fact was taken in without it.
+    /// If they differ: some fact was taken in without updating the index.
     pub fn assert_indexed(&self) {
         let mut anew = self.clone();
         anew.reindex();
@@ -51,7 +51,7 @@ impl Ledger {
         );
     }
 
-    /// The rack that a fact lifts or sets down. To be asked before the fact is taken in.
+    /// The rack that a fact lifts or sets down. To be called before the fact is taken in.
     pub(super) fn rack_moved_by(&self, fact: &Fact) -> Option<RackId> {
         let robot = match fact {
             Fact::Route(RouteFact::Acted { robot, .. }) => robot,
@@ -64,7 +64,7 @@ impl Ledger {
         }
     }
 
-    /// Keeps the index after a fact was taken in.
+    /// Updates the index after a fact was taken in.
     pub(super) fn keep_index(&mut self, fact: &Fact, moved: Option<RackId>) {
         if let Some(rack) = moved {
             self.index_rack(rack);
@@ -188,7 +188,7 @@ impl Ledger {
         }
     }
 
-    /// Wakes the jobs that come after one that is done; those that come after one that ended badly never start.
+    /// Wakes the jobs behind a job that is done; the jobs behind a job that ended badly never start.
     fn index_end(&mut self, id: JobId, state: JobState, at: Time) {
         match state {
             JobState::Done => {
