@@ -1,6 +1,6 @@
-//! Jobs that no robot has yet, in the order in which the fleet looks at them, for readers who look back at a moment.
+//! Jobs that no robot has yet, in the order in which the fleet looks at them; for a look at the fleet at one moment.
 //!
-//! Main types: [`Backlog`], [`Pending`]. Not part of [`super::view::View`]: that is made ten times a second, and a
+//! Main types: [`Backlog`], [`Pending`]. Not part of [`super::view::View`]: a view is made ten times a second, and a
 //! hundred thousand jobs may wait. Refuses: to list more than it is asked for, and to be an input of any decision.
 
 use crate::Fleet;
@@ -12,31 +12,31 @@ use giveway_floor::time::Time;
 /// The first of the waiting jobs at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Backlog {
-    /// When.
+    /// The moment.
     pub at: Time,
-    /// The most urgent ones, in order.
+    /// The most urgent jobs, in order.
     pub jobs: Vec<Pending>,
 }
 
 /// A job that no robot has yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pending {
-    /// Its number.
+    /// The number of the job.
     pub job: JobId,
     /// What is wanted.
     pub kind: JobKind,
-    /// 0 to 9, 9 first.
+    /// Priority, 0 to 9; 9 goes first.
     pub priority: u8,
-    /// When it was accepted.
+    /// When the job was accepted.
     pub accepted: Time,
-    /// A job that must be over first and is not.
+    /// A job that must be over first and is not, if there is one.
     pub after: Option<JobId>,
 }
 
 impl Fleet {
     /// The first `most` waiting jobs, in the order in which idle robots are matched with them: by priority, deadline
-    /// and age. Which one goes first depends on where racks and robots stand, too. Costs a look at each of those that
-    /// it gives, however many wait.
+    /// and age. Which job goes first also depends on where racks and robots stand. Costs a look at each job that it
+    /// returns, however many wait.
     pub fn backlog(&self, most: usize, now: Time) -> Backlog {
         let pending = |id: JobId| {
             let job = &self.writer.ledger().jobs[&id];
@@ -51,7 +51,7 @@ impl Fleet {
 }
 
 impl Floor<'_> {
-    /// The first job that keeps this one from starting: it is not over, or it ended badly.
+    /// The first job that keeps this one from starting, because it is not over or ended badly.
     pub(crate) fn first_before(&self, job: JobId) -> Option<JobId> {
         self.ledger.index().waits.first_before(job)
     }

@@ -1,4 +1,4 @@
-//! Last phase, on demand: an immutable view of everything.
+//! Last phase, on demand: builds an immutable view of everything.
 //!
 //! Main function: [`Fleet::view`]. Refuses: to change anything.
 
@@ -21,13 +21,13 @@ use giveway_floor::time::Time;
 use giveway_people::human::{Belief, IntentState, Whereabouts};
 use std::collections::BTreeMap;
 
-/// Of so many waiting jobs those in line are looked for: a view is made ten times a second, however many wait.
+/// How many waiting jobs are looked at to find those in line: a view is made ten times a second, however many wait.
 const LOOKED: usize = 1000;
-/// A worker who has just been lost is somewhere near the place, metres.
+/// The area of a lost worker reaches at least this far from the last place, metres.
 const LEAST_AREA_M: f64 = 1.0;
 
 impl Fleet {
-    /// Everything that outsiders may see.
+    /// Everything that may be seen from outside.
     pub fn view(&self, now: Time) -> View {
         let robots: Vec<RobotView> =
             self.writer.ledger().robots.ids().map(|r| self.robot_view(r, now)).collect();
@@ -91,7 +91,7 @@ impl Fleet {
         in_line.take(LINE).map(|id| (id, ledger.jobs[&id].request.priority)).collect()
     }
 
-    /// Sums of the ledger, and what was tried.
+    /// Sums of the ledger, and counts of what was tried.
     fn counts(&self, waiting: u64, active: u64) -> Counts {
         let (sums, tally) = (self.writer.ledger().counts, self.traffic.tally);
         let [lines, wrong_reaches] = self.writer.visits.counted();
@@ -156,7 +156,7 @@ impl Fleet {
         }
     }
 
-    /// What a robot is at, and since when. What a person ordered is durable: it has lasted since the order.
+    /// What a robot is doing, and since when. What a person ordered is durable, so it counts from the order.
     pub fn activity(&self, robot: RobotId, now: Time) -> (Activity, Time) {
         let noted = self.writer.activities.of(robot);
         let (activity, since) = noted.unwrap_or_else(|| (self.floor().activity(robot, self.why(robot)), now));
@@ -207,7 +207,7 @@ impl Fleet {
 
     fn episodes_view(&self, worker: WorkerId) -> Vec<WorkerEpisode> {
         let place = |state| match state {
-            // The place of a task that is over is no goal any more, and still where the worker went.
+            // The place of a task that is over is no goal any more, but still where the worker went.
             IntentState::Goal(g) => self.people.intents.distances.place(g).or_else(|| {
                 let node = task_place(g)?;
                 self.writer.warehouse().nodes.get(node).map(|n| n.at)
@@ -259,8 +259,8 @@ impl Fleet {
         }
     }
 
-    /// How long the visit that is on at a station will last from now on; nothing where none is on, or nobody counts
-    /// lines.
+    /// How long the visit in progress at a station will last from now on; nothing if there is none, or lines are not
+    /// counted.
     pub fn visit_left(&self, station: StationId, now: Time) -> Option<Remaining> {
         if !self.writer.settings.flow.counts_lines() {
             return None;
@@ -269,8 +269,8 @@ impl Fleet {
         self.writer.visits.remaining(id, job, self.floor().ends_out(job), now)
     }
 
-    /// How long it takes until the last piece of the visit that is on at a station is in its tote: later than the end
-    /// of the visit if the rack leaves at the last grasp.
+    /// How long it takes until the last piece of the visit in progress at a station is in its tote: longer than the
+    /// visit if the rack leaves at the last grasp.
     fn visit_placed(&self, station: StationId, now: Time) -> Option<Remaining> {
         let (id, job) = self.visit_on(station).filter(|_| self.writer.settings.flow.counts_lines())?;
         self.writer.visits.remaining(id, job, false, now)
@@ -282,12 +282,12 @@ impl Fleet {
         Some((id, self.writer.ledger().jobs.get(&id)?))
     }
 
-    /// The robot arm at a station; nothing where there is none, or it is of no known kind.
+    /// The robot arm at a station; nothing if there is none, or it is of no known kind.
     pub fn arm(&self, station: StationId, now: Time) -> Option<ArmView> {
         self.writer.arms.view(station, now)
     }
 
-    /// The time at which a robot is planned to be somewhere; nothing if it waits for what nobody knows the end of.
+    /// The time at which a robot is planned to be somewhere; nothing if it waits for something whose end is unknown.
     fn known(&self, robot: RobotId, at: Time, now: Time) -> Option<Time> {
         let chain = self.waits(robot, now);
         let waits = chain.first().is_some_and(|link| link.because.is_waiting());
@@ -295,7 +295,7 @@ impl Fleet {
         Some(at).filter(|_| has_time)
     }
 
-    /// Which robot brings the next rack to a station, and when it is planned to be there.
+    /// The robot that brings the next rack to a station, and when it is planned to be there.
     fn next_rack(&self, station: NodeId, picked: Option<RobotId>) -> Option<(RobotId, Time)> {
         let ledger = &self.writer.ledger();
         let comes = |robot: RobotId| {
@@ -313,8 +313,8 @@ impl Fleet {
 }
 
 impl Floor<'_> {
-    /// Waiting jobs that come after others, each with the first one that is not over yet: those before it by the
-    /// customer's word, and the one that the robot that they name does first.
+    /// Waiting jobs that come after others, each with the first of those that is not over yet: a job that the customer
+    /// wants done before, or the job that the robot named by both does first.
     fn blocked(&self) -> BTreeMap<JobId, JobId> {
         let behind = |robot: RobotId| {
             let first = self.named_job_for(robot);

@@ -1,8 +1,8 @@
 //! What closing an area would do: which stations and racks it cuts off, which robots it traps, which jobs would wait,
-//! and which are under way through it.
+//! and which jobs are under way through it.
 //!
-//! Main types: [`ClosingEffect`], [`Affected`]. The same walks answer that decide later which jobs wait
-//! ([`CutOff`]), so the answer is what will happen. Refuses: to close anything.
+//! Main types: [`ClosingEffect`], [`Affected`]. The walks are those that later decide which jobs wait ([`CutOff`]), so
+//! the answer is what will happen. Refuses: to close anything.
 
 use crate::Fleet;
 use crate::state::closed_areas::nodes_of;
@@ -16,15 +16,15 @@ use giveway_floor::id::{ClosureId, JobId, NodeId, RackId, RobotId, StationId};
 use giveway_floor::time::Time;
 use std::collections::BTreeSet;
 
-/// So many of each are named.
+/// How many of each are named.
 pub const NAMED: usize = 20;
 
-/// Some things, the first of them by name.
+/// How many things are affected, and the first of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Affected<T> {
-    /// How many.
+    /// How many things are affected.
     pub total: usize,
-    /// The first [`NAMED`] of them.
+    /// The first [`NAMED`] of these things.
     pub first: Vec<T>,
 }
 
@@ -44,19 +44,19 @@ impl<T> FromIterator<T> for Affected<T> {
 /// What closing an area would do to robots, racks and jobs, as things stand.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClosingEffect {
-    /// Nodes inside.
+    /// How many nodes are inside.
     pub nodes: usize,
-    /// Stations to which no rack would come, or from which none would get away.
+    /// Stations that no rack would get to, or that none would get away from.
     pub stations: Vec<StationId>,
-    /// Racks in storage that would come to no station.
+    /// Racks in storage that would get to no station.
     pub racks: Affected<RackId>,
-    /// Robots that would get to no place where they can stay until it is opened.
+    /// Robots that would get to no place where they can stay until the area is opened.
     pub trapped: Affected<RobotId>,
-    /// Jobs that would wait until it is opened.
+    /// Jobs that would wait until the area is opened.
     pub waiting: Affected<JobId>,
-    /// Jobs at work whose robots have to pass it, with the robots.
+    /// Jobs whose robots have to pass the area, each with its robot.
     pub under_way: Affected<(JobId, RobotId)>,
-    /// When the last of these robots is expected to be out of it, if any has a route through.
+    /// When the last of these robots is expected to be out of the area, if any has a route through.
     pub clear: Option<Time>,
 }
 
@@ -68,7 +68,7 @@ impl Fleet {
 
     /// What closing an area would do.
     ///
-    /// O(nodes × stations + open jobs): for a question, not for a step.
+    /// O(nodes × stations + open jobs): for a query, not for a step.
     pub fn effect_of_closing(&self, area: &Closure, now: Time) -> ClosingEffect {
         let w = self.writer.warehouse();
         let nodes = nodes_of(area, w);
@@ -97,7 +97,7 @@ impl Fleet {
         }
     }
 
-    /// Whether a job that has not lifted its rack would wait because of these cuts.
+    /// Whether a job that has not lifted its rack would wait because of what is cut off.
     fn would_wait(&self, job: &Job, cut: &CutOff, now: Time) -> bool {
         let kind = &job.request.kind;
         let rack = kind.rack().map(|rack| self.writer.ledger().racks[rack]);
@@ -109,8 +109,8 @@ impl Fleet {
         station.or_else(|| cut.blocks_job(self.writer.warehouse(), kind, node)).is_some()
     }
 
-    /// The job of a robot that holds nodes of an area, and when it is to leave the last of them, but for the one where
-    /// its route ends.
+    /// The job of a robot that holds nodes of an area, and when the robot is to leave the last of them, apart from the
+    /// node where its route ends.
     fn passes_until(&self, robot: RobotId, closed: &BTreeSet<NodeId>) -> Option<(JobId, RobotId, Time)> {
         let task = self.writer.ledger().robots[robot].task;
         if task == Task::Idle {

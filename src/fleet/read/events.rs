@@ -1,7 +1,7 @@
 //! Events: changes of state that other systems follow, as facts tell them.
 //!
 //! Main types: [`FloorEvent`], [`EventKind`]; [`floor_event`] finds the event of a fact. Refuses: routes and grants,
-//! which are nobody's business outside, and to know the state before, which whoever keeps events knows.
+//! which concern no other system, and to know the state before, which the store of events knows.
 
 use super::robot_events::robot_change;
 use crate::state::fact::{AreaFact, AssignmentFact, EncounterFact, Fact, FloorFact, JobFact, WorkerFact};
@@ -13,34 +13,34 @@ use giveway_floor::time::Time;
 /// What an event is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum EventKind {
-    /// A job.
+    /// An event about a job.
     Job,
-    /// A robot.
+    /// An event about a robot.
     Robot,
-    /// The whole fleet.
+    /// An event about the whole fleet.
     Fleet,
-    /// A station.
+    /// An event about a station.
     Station,
-    /// A worker.
+    /// An event about a worker.
     Worker,
-    /// A worker's assignment.
+    /// An event about a worker's assignment.
     Assignment,
-    /// A closed area.
+    /// An event about a closed area.
     Closure,
-    /// An alarm.
+    /// An event about an alarm.
     Alarm,
-    /// A robot that came close to a worker.
+    /// A robot came close to a worker.
     Encounter,
-    /// A robot that got another way because of a worker, a closure, a broken robot or an obstruction.
+    /// A robot got another route because of a worker, a closure, a broken robot or an obstruction.
     RobotReplanned,
-    /// A worker who left the path.
+    /// A worker left the path.
     WorkerDeviated,
-    /// A worker who is most probably going somewhere else than before.
+    /// A worker is most probably going somewhere else than before.
     WorkerGoal,
 }
 
 impl EventKind {
-    /// All of them.
+    /// All kinds of events.
     pub const ALL: [EventKind; 12] = [
         EventKind::Job,
         EventKind::Robot,
@@ -56,7 +56,7 @@ impl EventKind {
         EventKind::WorkerGoal,
     ];
 
-    /// The word for it.
+    /// The word for the kind.
     pub fn word(self) -> &'static str {
         match self {
             EventKind::Job => "job",
@@ -74,13 +74,13 @@ impl EventKind {
         }
     }
 
-    /// Whether such events follow one another as states of their subject: then each says which was before.
+    /// Whether such events are successive states of their subject, so that each names the state before.
     pub fn has_states(self) -> bool {
         use EventKind::{Encounter, RobotReplanned, WorkerDeviated, WorkerGoal};
         !matches!(self, Encounter | RobotReplanned | WorkerDeviated | WorkerGoal)
     }
 
-    /// The one of this word.
+    /// The kind of this word.
     pub fn of_word(word: &str) -> Option<EventKind> {
         EventKind::ALL.into_iter().find(|kind| kind.word() == word)
     }
@@ -89,19 +89,19 @@ impl EventKind {
 /// Something that happened, for other systems.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FloorEvent {
-    /// What it is about.
+    /// What the event is about.
     pub kind: EventKind,
-    /// The number of what it is about; nothing for the fleet, and for encounters, which have none.
+    /// The number of the event's subject; nothing for the fleet, and for encounters, which have none.
     pub subject: Option<u64>,
-    /// The state since then, in a word.
+    /// The subject's state since the event, in a word.
     pub new: &'static str,
-    /// The robot that has to do with it.
+    /// The robot concerned.
     pub robot: Option<RobotId>,
-    /// The worker who has to do with it.
+    /// The worker concerned.
     pub worker: Option<WorkerId>,
-    /// When, where the fact says so; otherwise when its step was.
+    /// When it happened, if the fact says so; otherwise the time of the step counts.
     pub at: Option<Time>,
-    /// What else there is to tell.
+    /// Further details of the event.
     pub details: Option<EventDetails>,
 }
 
@@ -115,7 +115,7 @@ impl FloorEvent {
     }
 }
 
-/// What other systems are told of a fact, if anything.
+/// The event that other systems are told for a fact, if any.
 pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
     use EventKind::{Assignment, Closure, Encounter, Fleet, Job, Robot, Station, Worker};
     if let Some((robot, change)) = robot_change(fact) {
@@ -154,7 +154,7 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         }
         Fact::Floor(FloorFact::Evacuated { .. }) => FloorEvent::of(Fleet, None, "evacuation_began"),
         Fact::Floor(FloorFact::EvacuationEnded { .. }) => FloorEvent::of(Fleet, None, "evacuation_ended"),
-        // Nothing is to be said of one who is forgotten.
+        // A worker who is forgotten makes no event.
         Fact::Worker(WorkerFact::Registered { name, .. }) if name.is_empty() => return None,
         Fact::Worker(WorkerFact::Registered { worker: w, .. }) => worker(w, "registered"),
         Fact::Worker(WorkerFact::Noted { worker: w, .. }) => worker(w, "on_floor"),
@@ -186,7 +186,7 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
     })
 }
 
-/// What is noted for the record.
+/// The event of something noted for the record.
 fn of_note(note: &FloorNote) -> FloorEvent {
     match note {
         FloorNote::Replanned { robot, cause, was, now, at } => {
@@ -209,55 +209,55 @@ fn of_note(note: &FloorNote) -> FloorEvent {
     }
 }
 
-/// An event as it is kept.
+/// An event as it is stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EventRow {
-    /// Its number; later ones have greater numbers.
+    /// The number of the event; later events have greater numbers.
     pub seq: i64,
-    /// When.
+    /// When the event happened.
     pub at: Time,
-    /// What it is about.
+    /// What the event is about.
     pub kind: EventKind,
-    /// The number of what it is about.
+    /// The number of the event's subject.
     pub subject: Option<u64>,
-    /// The state before; nothing where none is known.
+    /// The state before the event; nothing if none is known.
     pub old: Option<String>,
-    /// The state since then.
+    /// The state since the event.
     pub new: String,
-    /// The robot that has to do with it.
+    /// The robot concerned.
     pub robot: Option<RobotId>,
-    /// The worker who has to do with it.
+    /// The worker concerned.
     pub worker: Option<WorkerId>,
     /// Of an alarm, its text; of a station that the map no longer has, its name.
     pub text: Option<String>,
     /// Of a job, the customer's reference.
     pub reference: Option<String>,
-    /// What else there is to tell.
+    /// Further details of the event.
     pub details: Option<EventDetails>,
 }
 
-/// Which events to read: some kinds, after a number.
+/// Which events to read: events of some kinds, after a number.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EventQuery {
-    /// Only these kinds; all of them if there are none.
+    /// Only events of these kinds; of all kinds if there are none.
     pub kinds: Vec<EventKind>,
-    /// Only those after this number.
+    /// Only events after this number.
     pub after: i64,
-    /// How many at most.
+    /// How many events at most.
     pub limit: u32,
 }
 
-/// Which events are kept.
+/// Which events are still stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EventSpan {
-    /// The number before the first one that is kept; 0 where none was deleted.
+    /// The number before the first event that is stored; 0 if none was deleted.
     pub before: i64,
-    /// The number of the last one that there was; 0 before the first.
+    /// The number of the last event that there was; 0 before the first.
     pub last: i64,
 }
 
 impl EventSpan {
-    /// Whether somebody who has seen everything up to this number misses nothing.
+    /// Whether a reader who has seen everything up to this number misses nothing.
     pub fn follows(&self, after: i64) -> bool {
         (self.before..=self.last).contains(&after)
     }

@@ -1,5 +1,5 @@
-//! What outsiders see: the view, why something waits, occupancy of an area and safety regions in it, the jobs that
-//! wait, rows of lists.
+//! What is seen of the fleet from outside: the view, why something waits, occupancy of an area and safety regions in
+//! it, the jobs that wait, rows of lists.
 //!
 //! Main types: [`view::View`], `why::Waiting`, `occupancy::NodeOccupancy`, `backlog::Backlog`, `rows::JobRow`. Refuses:
 //! to be an input of any decision.

@@ -1,7 +1,8 @@
-//! What the planner sees of a part of the floor: which robots hold each node when, and what people and closures mean.
+//! What the planner sees of a part of the floor: which robots hold each node and when, and what people and closures
+//! restrict.
 //!
-//! Main type: [`NodeOccupancy`]. Worked out on demand for an area. Refuses: areas of more than [`MOST_NODES`] nodes,
-//! since nobody could read them, and lanes, whose holds are those of the nodes at their ends.
+//! Main type: [`NodeOccupancy`]. Computed on demand for an area. Refuses: areas of more than [`MOST_NODES`] nodes,
+//! which no person could read, and lanes, whose holds are those of the nodes at their ends.
 
 use crate::Fleet;
 use crate::read::area::Area;
@@ -11,30 +12,30 @@ use giveway_floor::route::Condition;
 use giveway_floor::time::{Span, Time, Window};
 use giveway_floor::timeline::Held;
 
-/// The most nodes at once.
+/// How many nodes a query may have at most.
 pub const MOST_NODES: usize = 200;
 
 /// Holds that ended less than this ago are still shown.
 const BACK: Span = Span::from_secs(5);
 
-/// One node, from a moment ago on.
+/// The occupancy of one node, from a moment ago on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeOccupancy {
-    /// Which.
+    /// The node.
     pub node: NodeId,
     /// The holds on it and on anything in conflict with it, in order.
     pub holds: Vec<Held>,
-    /// What people and closures mean there.
+    /// The conditions that people and closures cause there.
     pub conditions: Vec<Condition>,
-    /// In whose safety regions it is, and when.
+    /// The safety regions in which the node is, and when.
     pub regions: Vec<RegionStay>,
 }
 
 impl Fleet {
-    /// The occupancy of all nodes in an area, from the top left on, for so long ahead.
+    /// The occupancy of all nodes in an area, from the top left on, for this long ahead.
     ///
     /// # Errors
-    /// How many nodes there are, where they are too many.
+    /// The number of nodes, if there are too many.
     pub fn occupancy(&self, area: Area, ahead: Span, now: Time) -> Result<Vec<NodeOccupancy>, usize> {
         let nodes = &self.writer.warehouse().nodes;
         let mut found: Vec<NodeId> =

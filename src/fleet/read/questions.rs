@@ -1,6 +1,6 @@
-//! What drivers of the fleet ask between two steps.
+//! Queries that drivers of the fleet make between two steps.
 //!
-//! Refuses: to change anything, and to decide: the step that follows does, with everything that it knows.
+//! Refuses: to change anything, and to decide: the next step does that, with everything that it knows.
 
 use crate::Fleet;
 use crate::dispatch::enough::stations_with_enough;
@@ -24,11 +24,11 @@ use giveway_people::human::Sighting;
 use giveway_people::human::motion::MotionEstimate;
 use std::collections::BTreeSet;
 
-/// Robots are told of people this near, metres.
+/// Robots are told of people within this distance, metres.
 const TOLD_M: f64 = 12.0;
 
 impl Fleet {
-    /// Whether a robot stands where, and carries what, the ledger has for it.
+    /// Whether a robot stands where the ledger has it, and carries what the ledger says.
     pub fn is_in_place(&self, seen: &Telemetry) -> bool {
         self.floor().is_in_place(seen)
     }
@@ -48,12 +48,12 @@ impl Fleet {
         self.writer.ledger().is_picked_from(robot)
     }
 
-    /// Whether a robot was heard of lately and can drive.
+    /// Whether a robot was heard of lately, can drive and takes orders.
     pub fn is_fit(&self, robot: RobotId, now: Time) -> bool {
         self.writer.scene.fit(robot, now).is_some()
     }
 
-    /// How it is with a robot at its link; nothing where it is as usual.
+    /// The state of a robot at its link; nothing if it is as usual.
     pub fn link_state(&self, robot: RobotId) -> Option<&LinkState> {
         self.writer.scene.link(robot)
     }
@@ -63,7 +63,7 @@ impl Fleet {
         self.floor().lacks_route(robot)
     }
 
-    /// Whether it is known about where a worker is.
+    /// Whether it is known where a worker is.
     pub fn knows_place_of(&self, worker: WorkerId, now: Time) -> bool {
         self.people.whereabouts(worker, now).is_some()
     }
@@ -75,8 +75,8 @@ impl Fleet {
         urgency_ms(priority, job.accepted, deadline, now, oldest)
     }
 
-    /// Stations for which no more racks are fetched: enough robots wait with theirs, or the station is paused or has
-    /// been blocked for long by a robot that cannot drive.
+    /// Stations for which no more racks are fetched: enough robots with racks wait for the station, or it is paused, or
+    /// a robot that cannot drive has blocked it for long.
     pub fn full_stations(&self, now: Time) -> BTreeSet<StationId> {
         stations_with_enough(self.floor(), &self.traffic.needs, now)
     }
@@ -96,7 +96,7 @@ impl Fleet {
             && floor.way_ms((robot, from), id, (rack, node), now).is_some()
     }
 
-    /// Robots for which a route could be searched, and whose search was put off because each step has searched as much
+    /// Robots for which a route could be searched, but whose search was put off because each step has searched as much
     /// as it may; the longest waiting first, each with for how long.
     pub fn plan_queue(&self, now: Time) -> Vec<(RobotId, Span)> {
         let postponed = self.traffic.needs.postponed.iter();
@@ -105,32 +105,32 @@ impl Fleet {
         queue
     }
 
-    /// Where workers who are seen may be in the coming seconds, for readers. Policies that do not decide by such
+    /// Where workers who are seen may be in the coming seconds, for display. Policies that do not decide by such
     /// forecasts have none.
     pub fn expectations(&self, now: Time) -> Vec<Expected> {
         self.people.expectations(self.floor(), now)
     }
 
-    /// What robots at these places are told of the people near them: where those are and will be, as the fleet
+    /// What robots at these places are told of the people near them: where the people are and will be, as the fleet
     /// believes.
     pub fn people_near(&self, robots: &[(RobotId, Point)], now: Time) -> Vec<(RobotId, Vec<ForeseenPerson>)> {
         let near = |at| self.people.foreseen(self.floor(), at, TOLD_M, now);
         robots.iter().map(|(robot, at)| (*robot, near(*at))).collect()
     }
 
-    /// What a worker is told now, besides the path, and since when; nothing of one who is not on the floor.
+    /// What a worker is told now, besides the path, and since when; nothing if the worker is not on the floor.
     pub fn message(&self, worker: WorkerId) -> Option<(GuidanceState, Option<GuidanceReason>, Time)> {
         let message = self.people.people.get(worker)?.message?;
         Some((message.words.0, message.words.1, message.since))
     }
 
-    /// Whom a robot passes beside the line, if it does.
+    /// The passing of a worker beside the line that a robot is doing, if any.
     pub fn passing(&self, robot: RobotId) -> Option<Passing> {
         self.yielding.state.of(robot).passing.map(|p| p.what)
     }
 
-    /// What a robot that passes somebody may take of the floor: the corridor from where it was last on a node to where
-    /// it is on the line again.
+    /// What a robot that passes a person may take of the floor: the corridor from where the robot was last on a node to
+    /// where it is on the line again.
     pub fn passing_floor(&self, robot: RobotId) -> Option<Hull> {
         let what = self.passing(robot)?;
         let stretch = self.floor().stretch(robot, self.writer.ledger().chain(robot).first(), what.to)?;
@@ -143,13 +143,13 @@ impl Fleet {
         people.filter_map(|(worker, p)| Some((worker, p.motion.as_ref()?.estimate()?)))
     }
 
-    /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
-    /// the worker to stand, if the worker was not told yet.
+    /// Whether a step that took in this sighting now would, as things were last seen, stop a robot that drives, or tell
+    /// the worker to stand who was not told yet.
     pub fn calls_for_stop(&self, sighting: &Sighting, now: Time) -> bool {
         self.yielding.calls_for_stop(self.writer.floor(), &self.people, &self.traffic, sighting, now)
     }
 
-    /// What a step that took in these hands now would warn of.
+    /// The warning that a step would give that took in these hands now.
     pub fn warning_of(&self, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
         warning_of(self.writer.floor(), seen, now)
     }

@@ -1,45 +1,45 @@
-//! What happened to a robot, as lists have it: its jobs, alarms about it, and what the facts say of it alone.
+//! What happened to a robot, as lists show it: its jobs, alarms about it, and facts about it alone.
 //!
-//! Main types: [`RobotChange`], [`RobotEventRow`], [`RobotEventQuery`]. Refuses: to know where they are kept.
+//! Main types: [`RobotChange`], [`RobotEventRow`], [`RobotEventQuery`]. Refuses: to know where they are stored.
 
 use crate::state::fact::{Fact, FloorFact, RobotFact};
 use crate::state::note::EventDetails;
 use giveway_floor::id::RobotId;
 use giveway_floor::time::Time;
 
-/// What a fact says of a robot alone.
+/// What a fact says about a robot alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RobotChange {
-    /// It joined.
+    /// The robot joined.
     Joined,
-    /// It cannot drive.
+    /// The robot cannot drive.
     Failed,
-    /// It works again.
+    /// The robot works again.
     Repaired,
-    /// What is promised about it contradicts itself.
+    /// What is promised about the robot contradicts itself.
     Fenced,
-    /// It was paused by hand.
+    /// The robot was paused by hand.
     Paused,
-    /// It was resumed.
+    /// The robot was resumed.
     Resumed,
     /// The whole fleet was stopped.
     FleetStopped,
     /// The whole fleet was resumed.
     FleetResumed,
-    /// It was sent to maintenance.
+    /// The robot was sent to maintenance.
     OutOfService,
-    /// Its maintenance ended, or it is to stay on the floor.
+    /// The robot's maintenance ended, or it is to stay on the floor.
     BackInService,
-    /// It is to leave the floor.
+    /// The robot is to leave the floor.
     Leaving,
-    /// It has left the floor.
+    /// The robot has left the floor.
     Left,
-    /// It came back.
+    /// The robot came back.
     Returned,
 }
 
 impl RobotChange {
-    /// The word for it.
+    /// The word for the change.
     pub fn word(self) -> &'static str {
         match self {
             RobotChange::Joined => "joined",
@@ -59,7 +59,7 @@ impl RobotChange {
     }
 }
 
-/// What a fact says of a robot alone, or of all of them, if it does.
+/// What a fact says about a robot alone, or about all robots, if anything.
 pub fn robot_change(fact: &Fact) -> Option<(Option<RobotId>, RobotChange)> {
     let (robot, change) = match fact {
         Fact::Robot(RobotFact::Registered { robot, .. }) => (robot, RobotChange::Joined),
@@ -82,21 +82,21 @@ pub fn robot_change(fact: &Fact) -> Option<(Option<RobotId>, RobotChange)> {
     Some((Some(*robot), change))
 }
 
-/// From which list an entry is.
+/// The list that an entry is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RobotEventSource {
     /// A job that the robot has, or had last.
     Job,
-    /// An alarm about it.
+    /// An alarm about the robot.
     Alarm,
     /// A [`RobotChange`].
     Change,
-    /// It got another way.
+    /// A replan: the robot got another route.
     Replan,
 }
 
 impl RobotEventSource {
-    /// Its place among entries of the same time.
+    /// The order of the lists among entries of the same time.
     pub fn number(self) -> i64 {
         match self {
             RobotEventSource::Job => 1,
@@ -106,7 +106,7 @@ impl RobotEventSource {
         }
     }
 
-    /// The one of this number.
+    /// The list with this number.
     pub fn of_number(number: i64) -> Option<RobotEventSource> {
         use RobotEventSource::{Alarm, Change, Job, Replan};
         [Job, Alarm, Change, Replan].into_iter().find(|source| source.number() == number)
@@ -116,28 +116,28 @@ impl RobotEventSource {
 /// Something that happened to a robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotEventRow {
-    /// When: of a job, when its state changed last; of an alarm, when it was raised.
+    /// When it happened: of a job, when its state last changed; of an alarm, when it was raised.
     pub at: Time,
-    /// From which list it is.
+    /// The list that the entry is from.
     pub source: RobotEventSource,
-    /// Its number there.
+    /// The number of the entry in that list.
     pub id: i64,
-    /// The state of the job, the kind of the alarm, the change, or because of what it was replanned.
+    /// The state of the job, the kind of the alarm, the change, or the cause of the replan, in a word.
     pub word: String,
     /// The kind of the job, or the text of the alarm.
     pub text: Option<String>,
     /// When the alarm ended.
     pub ended: Option<Time>,
-    /// Of a replan, because of whom or what, and both ways.
+    /// Of a replan, its cause and both routes.
     pub details: Option<EventDetails>,
 }
 
-/// What to list of a robot, newest first.
+/// Which entries of a robot to list, newest first.
 #[derive(Clone, Debug)]
 pub struct RobotEventQuery {
-    /// Which robot.
+    /// The robot.
     pub robot: RobotId,
-    /// Its name, by which alarms know it.
+    /// The robot's name, by which alarms know it.
     pub name: String,
     /// Only what happened at this time or later.
     pub from: Option<Time>,
@@ -145,15 +145,15 @@ pub struct RobotEventQuery {
     pub to: Option<Time>,
     /// Only what comes after this entry in the list.
     pub before: Option<(Time, RobotEventSource, i64)>,
-    /// How many at most.
+    /// How many entries at most.
     pub limit: u32,
 }
 
 /// What became of the jobs of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct RobotJobCounts {
-    /// Done.
+    /// Jobs done.
     pub done: u64,
-    /// Could not be done.
+    /// Jobs that could not be done.
     pub failed: u64,
 }

@@ -1,7 +1,7 @@
-//! Jobs, assignments and encounters as lists have them, and which of them are wanted.
+//! Jobs, assignments and encounters as listed, and queries for them.
 //!
 //! Main types: [`JobRow`], [`JobTimes`], [`AssignmentRow`], [`EncounterRow`], and a query for each. The store reads
-//! them, a recording makes them from facts, and the API gives their names. Refuses: to know where they are kept.
+//! them, a recording makes them from facts, and the API adds their names. Refuses: to know where they are stored.
 
 use crate::state::job::{Job, JobState};
 use crate::state::worker::{Assignment, Encounter};
@@ -17,16 +17,16 @@ pub const JOB_STATES: [&str; 7] =
 /// A page of a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Listed<T, I> {
-    /// Its rows. There may be fewer than were asked for, or none, though the list goes on: a page looks at no more than
-    /// so many rows that the filters leave out.
+    /// The rows of the page. There may be fewer than were asked for, or none, though the list goes on: a page looks at
+    /// a limited number of rows that the filters leave out.
     pub rows: Vec<T>,
-    /// The list goes on with what is before this; nothing where it ends.
+    /// Where the list goes on: before this row; nothing if it ends.
     pub next: Option<I>,
 }
 
 impl<T, I> Listed<T, I> {
-    /// Makes a page of rows, one more than it may have if there are so many. Where there are not, the list goes on
-    /// before `rest`.
+    /// Makes a page of rows, of which there may be one more than the limit to show that the list goes on. If there are
+    /// no more, the list goes on before `rest`.
     pub fn cut(mut rows: Vec<T>, limit: u32, rest: Option<I>, id: impl Fn(&T) -> I) -> Listed<T, I> {
         let is_full = rows.len() > limit as usize;
         rows.truncate(limit as usize);
@@ -38,33 +38,33 @@ impl<T, I> Listed<T, I> {
 /// A job as it is listed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JobRow {
-    /// Its number.
+    /// The number of the job.
     pub id: JobId,
-    /// What it is and how far it has come.
+    /// What the job is and how far it has come.
     pub job: Job,
-    /// The robot at work on it, or the last one that was.
+    /// The robot that works on the job, or the last one that did.
     pub robot: Option<RobotId>,
-    /// When it or its state changed last.
+    /// When the job or its state last changed.
     pub updated: Time,
-    /// When it came to each state.
+    /// When the job came to each state.
     pub times: JobTimes,
-    /// Whether it was changed after it was submitted.
+    /// Whether the job was changed after it was submitted.
     pub changed: bool,
-    /// Names of what it speaks of and the map no longer has.
+    /// Names of what the job refers to and the map no longer has.
     pub gone: GoneNames,
 }
 
 impl JobRow {
-    /// Something was said about a line of the visit that is on.
+    /// Changes a line of the visit in progress.
     pub fn change_line(&mut self, line: usize, change: LineChange, at: Time) {
         if let Some(lines) = self.job.lines_now_mut() {
-            // The ledger has checked it.
+            // The ledger has checked the change.
             _ = lines.change(line, change);
         }
         self.updated = at;
     }
 
-    /// Its rack was served at a station that is not its last.
+    /// Notes that the job's rack was served at a station that is not its last.
     pub fn serve(&mut self, robot: RobotId, at: Time) {
         self.job.go_on(robot, at);
         (self.updated, self.times.arrived) = (at, None);
@@ -74,18 +74,18 @@ impl JobRow {
 /// When a job came to each state. If a robot gives it back, the times of that attempt are forgotten.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct JobTimes {
-    /// A robot got it.
+    /// When a robot got the job.
     pub assigned: Option<Time>,
-    /// The robot had lifted the rack.
+    /// When the robot had lifted the rack.
     pub lifted: Option<Time>,
-    /// The rack stood at the station.
+    /// When the rack came to the station.
     pub arrived: Option<Time>,
-    /// It was over: done, cancelled or failed.
+    /// When the job was over: done, cancelled or failed.
     pub ended: Option<Time>,
 }
 
 impl JobTimes {
-    /// The job has come to this state.
+    /// Notes that the job has come to this state.
     pub fn note(&mut self, state: JobState, at: Time) {
         match state {
             JobState::Waiting => *self = JobTimes::default(),
@@ -97,16 +97,16 @@ impl JobTimes {
     }
 }
 
-/// The names of what a row speaks of, where the map does not have it any more.
+/// The names of what a row refers to and the map no longer has.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct GoneNames {
-    /// Of its rack.
+    /// The name of its rack.
     pub rack: Option<String>,
-    /// Of its station.
+    /// The name of its station.
     pub station: Option<String>,
-    /// Of its node, or place.
+    /// The name of its node, or place.
     pub node: Option<String>,
-    /// Of the other stations of a delivery.
+    /// The names of the other stations of a delivery.
     pub stops: BTreeMap<StationId, String>,
 }
 
@@ -129,63 +129,63 @@ pub struct JobQuery {
     pub to: Option<Time>,
     /// Only jobs with this reference.
     pub reference: Option<String>,
-    /// Only jobs whose reference has this in it, whatever the case; three characters or more.
+    /// Only jobs whose reference contains this text of three or more characters, whatever the case.
     pub reference_part: Option<String>,
     /// Only jobs with this label: its key and value.
     pub label: Option<(String, String)>,
     /// Only jobs older than this one.
     pub before: Option<JobId>,
-    /// How many at most.
+    /// How many jobs at most.
     pub limit: u32,
 }
 
 /// An assignment as it is listed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AssignmentRow {
-    /// Its number.
+    /// The number of the assignment.
     pub id: AssignmentId,
-    /// What it is and how far it has come.
+    /// What the assignment is and how far it has come.
     pub assignment: Assignment,
-    /// When its state changed last.
+    /// When the assignment's state last changed.
     pub updated: Time,
-    /// Names of what it speaks of and the map no longer has.
+    /// Names of what the assignment refers to and the map no longer has.
     pub gone: GoneNames,
 }
 
 /// Which assignments to list, newest first.
 #[derive(Clone, Debug, Default)]
 pub struct AssignmentQuery {
-    /// Only those of this worker.
+    /// Only assignments of this worker.
     pub worker: Option<WorkerId>,
-    /// Only those in one of these states, by their words; in any if there are none.
+    /// Only assignments in one of these states, by their words; in any if there are none.
     pub states: Vec<&'static str>,
-    /// Only those at this place.
+    /// Only assignments at this place.
     pub place: Option<NodeId>,
-    /// Only those whose state changed at this time or later.
+    /// Only assignments whose state changed at this time or later.
     pub updated_since: Option<Time>,
-    /// Only those that were accepted at this time or later.
+    /// Only assignments that were accepted at this time or later.
     pub from: Option<Time>,
-    /// Only those that were accepted before this time.
+    /// Only assignments that were accepted before this time.
     pub to: Option<Time>,
-    /// Only those older than this one.
+    /// Only assignments older than this one.
     pub before: Option<AssignmentId>,
-    /// How many at most.
+    /// How many assignments at most.
     pub limit: u32,
 }
 
 /// An encounter as it is listed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EncounterRow {
-    /// Its number, in the order of recording.
+    /// The number of the encounter, in the order of recording.
     pub seq: i64,
-    /// What happened. `worker` means nothing if it is anonymous.
+    /// What happened. `worker` means nothing if the encounter is anonymous.
     pub encounter: Encounter,
-    /// Whether the list no longer says who it was.
+    /// Whether the list no longer says who the worker was.
     pub is_anonymous: bool,
 }
 
 impl EncounterRow {
-    /// Who it was, if that is still known.
+    /// The worker, if that is still known.
     pub fn worker(&self) -> Option<WorkerId> {
         (!self.is_anonymous).then_some(self.encounter.worker)
     }
@@ -194,20 +194,20 @@ impl EncounterRow {
 /// Which encounters to list, newest first.
 #[derive(Clone, Debug, Default)]
 pub struct EncounterQuery {
-    /// Only those that began at this time or later.
+    /// Only encounters that began at this time or later.
     pub from: Option<Time>,
-    /// Only those that began before this time.
+    /// Only encounters that began before this time.
     pub to: Option<Time>,
-    /// Only those of this worker.
+    /// Only encounters of this worker.
     pub worker: Option<WorkerId>,
-    /// Only those of this robot.
+    /// Only encounters of this robot.
     pub robot: Option<RobotId>,
-    /// Only those about which the fleet did one of these things, by their words; any if there are none.
+    /// Only encounters about which the fleet did one of these things, by their words; any if there are none.
     pub reactions: Vec<&'static str>,
-    /// Only those that ended at this time or later: encounters are listed when they have ended.
+    /// Only encounters that ended at this time or later: encounters are listed when they have ended.
     pub updated_since: Option<Time>,
-    /// Only those recorded before this one.
+    /// Only encounters recorded before this one.
     pub before: Option<i64>,
-    /// How many at most.
+    /// How many encounters at most.
     pub limit: u32,
 }

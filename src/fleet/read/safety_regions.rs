@@ -2,9 +2,9 @@
 //! section 4.2.3).
 //!
 //! Main types: [`RegionStay`], [`SafetyRegion`]. A node is in region 2 of a person while a robot on it would be too
-//! near, and in region 2 of a robot while a person on it would be; region 3 is what lies around region 2. Of robots,
-//! all windows of their reservations count; of people, what they may walk within the time shown. For readers only.
-//! Refuses: to bind anybody; conditions do that, from the same radii.
+//! near, and in region 2 of a robot while a person on it would be; region 3 is what lies around region 2. For robots,
+//! all windows of their reservations count; for people, the places where they may walk within the time shown. For
+//! display only. Refuses: to restrict robots or people; conditions do that, from the same radii.
 
 use crate::Fleet;
 use crate::people::state::Person;
@@ -16,12 +16,12 @@ use giveway_floor::time::{Span, Time, Window};
 use giveway_people::human::{Band, Hypothesis, Whereabouts, passages};
 use std::collections::BTreeMap;
 
-/// Ways that are less probable have no regions.
+/// Ways of a person that are less probable than this have no regions.
 const NEGLIGIBLE: f64 = 0.05;
-/// A person stays near the present place for so long at least.
+/// How long at least a person stays near the present place.
 const NOW: Span = Span::from_millis(900);
 
-/// A region around a robot or a person, in which others keep out or are slow.
+/// A region around a robot or a person that others keep out of, or in which they are slow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SafetyRegion {
     /// Region 2: nothing is planned into it.
@@ -30,18 +30,18 @@ pub enum SafetyRegion {
     Slow,
 }
 
-/// A node is in a region for a time.
+/// A time during which a node is in a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RegionStay {
-    /// Whose region.
+    /// The robot or worker whose region it is.
     pub of: Party,
-    /// Which.
+    /// The region.
     pub region: SafetyRegion,
-    /// When.
+    /// When the node is in the region.
     pub window: Window,
 }
 
-/// What was found: windows by node, robot or worker, and region.
+/// Windows found so far, by node, robot or worker, and region.
 type Stays = BTreeMap<(NodeId, Party, SafetyRegion), Vec<Window>>;
 
 /// Nodes in the regions around one place.
@@ -106,7 +106,7 @@ impl Fleet {
         window: Window,
         found: &mut Stays,
     ) {
-        // The widest of all kinds, with a rack.
+        // The widest regions of all kinds, with a rack.
         let sizes = self.writer.regions.widest_m(place.sigma_m);
         let radii = (sizes[1] + place.reach_m, sizes[2] + place.reach_m);
         let mut add = |at: Point, when: Window| {
@@ -130,7 +130,7 @@ impl Fleet {
         (regions.keep_out_radius_m(loaded, sigma_m), regions.slow_radius_m(loaded, sigma_m))
     }
 
-    /// The nodes around a place, as far as they are on foot.
+    /// The nodes around a place within these distances on foot.
     fn around(&self, at: Point, (keep_out, slow): (f64, f64)) -> Around {
         let near = self.people.afoot.nodes_within(self.writer.warehouse(), at, slow).into_iter();
         let region = |d: f64| if d <= keep_out { SafetyRegion::KeepOut } else { SafetyRegion::Slow };
@@ -138,7 +138,7 @@ impl Fleet {
     }
 }
 
-/// The ways that a worker may take: the path that was given, or what is probable of somebody who left it.
+/// The ways that a worker may take: the given path or, once the worker has left it, the probable ways.
 fn planned(person: &Person, place: &Whereabouts) -> Vec<Hypothesis> {
     let likely: Vec<Hypothesis> =
         person.ways.iter().filter(|w| w.probability >= NEGLIGIBLE).cloned().collect();

@@ -1,6 +1,6 @@
-//! What the durable lists say about a stretch of time, for reports.
+//! What the durable lists say about a span of time, for reports.
 //!
-//! Main type: [`ShiftRows`]. Refuses: anything by person.
+//! Main type: [`ShiftRows`]. Refuses: figures by person.
 
 use super::rows::JobRow;
 use crate::{Encounter, JobState};
@@ -11,19 +11,19 @@ use std::collections::BTreeMap;
 /// A job that ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EndedJob {
-    /// The word for its kind.
+    /// The word for the kind of the job.
     pub kind: String,
     /// The word for the state in which it ended.
     pub state: String,
-    /// The station it was for.
+    /// The station that the job was for.
     pub station: Option<StationId>,
-    /// When it was submitted.
+    /// When the job was accepted.
     pub accepted: Time,
-    /// By when it was to be done.
+    /// The deadline of the job.
     pub deadline: Option<Time>,
-    /// When its rack stood at the station.
+    /// When the job's rack came to the station.
     pub arrived: Option<Time>,
-    /// When it ended.
+    /// When the job ended.
     pub ended: Time,
 }
 
@@ -32,7 +32,7 @@ pub struct EndedJob {
 pub struct ShiftRows {
     /// Jobs that ended in that time.
     pub ended: Vec<EndedJob>,
-    /// How long somebody picked at each station in that time.
+    /// How long picking went on at each station in that time.
     pub picking: BTreeMap<StationId, Span>,
     /// Jobs whose deadline passed in that time and that were not over at its end.
     pub overdue: u64,
@@ -43,8 +43,8 @@ pub struct ShiftRows {
 }
 
 impl ShiftRows {
-    /// Takes a job in, as the list has it, if it says anything about the time from `from` to `to`; what is not over
-    /// lasts until `now`.
+    /// Takes in a job as listed, if it says anything about the time from `from` to `to`; what is not over lasts until
+    /// `now`.
     pub fn note(&mut self, row: &JobRow, (from, to): (Time, Time), now: Time) {
         let request = &row.job.request;
         let station = request.kind.station();

@@ -1,6 +1,6 @@
-//! Robots that do not stand on a node: a change of the map waits for them.
+//! Robots that do not stand on a node; a change of the map waits for them.
 //!
-//! Main type: [`Unsettled`]. Refuses: to say why one does not get there.
+//! Main type: [`Unsettled`]. Refuses: to say why a robot does not get to its node.
 
 use crate::Fleet;
 use crate::state::displaced::OFF_ROUTE_M;
@@ -10,21 +10,21 @@ use giveway_floor::id::RobotId;
 /// A robot that drives, or stands beside the node that it reached last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unsettled {
-    /// Which.
+    /// The robot.
     pub robot: RobotId,
-    /// Its name.
+    /// The robot's name.
     pub name: String,
-    /// Where it is.
+    /// Where the robot is.
     pub at: Point,
-    /// Whether it is not on the node that it reached last.
+    /// Whether the robot is not on the node that it reached last.
     pub is_off: bool,
-    /// Whether it stands there, off that node.
+    /// Whether the robot stands still, off that node.
     pub stands_off: bool,
 }
 
 impl Fleet {
-    /// Robots of which the last report does not say that they stand on the node that they reached last, with nothing
-    /// granted beyond. One that was never heard of stands where the ledger has it.
+    /// Robots whose last report does not say that they stand on the node that they reached last, or that were granted
+    /// something beyond it. A robot that was never heard of stands where the ledger has it.
     pub fn unsettled(&self) -> Vec<Unsettled> {
         let ledger = self.ledger();
         let found = ledger.present().filter_map(|robot| {

@@ -1,7 +1,7 @@
 //! Whether the cause that is shown for a robot's waiting is true of the floor.
 //!
-//! Main function: [`untrue`]. Refuses: to believe how the cause came about; it compares with what was promised,
-//! reported and ordered.
+//! Main function: [`untrue`]. Refuses: to believe how the cause was found; it compares the cause with what was
+//! promised, reported and ordered.
 
 use crate::Fleet;
 use crate::state::fact::Task;
@@ -11,8 +11,9 @@ use crate::state::why::Why;
 use giveway_floor::id::{NodeId, RobotId, StationId};
 use giveway_floor::time::Time;
 
-/// What a robot waits for although it does not keep the robot: a closed area that was opened, a turn that is its own, a
-/// station said to be full that is not. Each reason is compared with what was promised, reported and ordered.
+/// The cause that is shown for a robot's waiting, if it is not true: a closed area that was opened, a turn that is the
+/// robot's own, a station said to be full that is not. Each cause is compared with what was promised, reported and
+/// ordered.
 pub fn untrue(fleet: &Fleet, robot: RobotId, now: Time) -> Option<Why> {
     let why = fleet.why(robot)?;
     let ledger = fleet.ledger();
@@ -27,7 +28,7 @@ pub fn untrue(fleet: &Fleet, robot: RobotId, now: Time) -> Option<Why> {
         Why::GivesWay(worker) => fleet.knows_place_of(worker, now),
         Why::Closed(closure) => ledger.closures.get(&closure).is_some_and(|c| c.window.end() > now),
         Why::QueueFull(_) | Why::NotItsTurn(..) | Why::StationPaused(_) => is_outside(fleet, robot, why),
-        // The hand may be out again, and the word of it on its way: the station is what can be checked.
+        // The hand may be out again, and the report of that under way: only the station can be checked.
         Why::HandInOpening(station) => is_on_its_way(&|n| is_place_of(fleet, station, n)),
         Why::NoRoute => record.task != Task::Idle && fleet.lacks_route(robot),
         Why::Failed => record.failed,
@@ -53,8 +54,8 @@ pub fn untrue(fleet: &Fleet, robot: RobotId, now: Time) -> Option<Why> {
     (!is_so).then_some(why)
 }
 
-/// Whether a robot that carries a rack is kept out of its station as it says: nobody picks there, a robot stands in
-/// each place, or this one has a place, or carries a rack there that was lifted before.
+/// Whether a robot that carries a rack is kept out of its station for the reason given: picking is paused there, a
+/// robot stands in each place, or the named robot has a place there or carries a rack there.
 fn is_outside(fleet: &Fleet, robot: RobotId, why: Why) -> bool {
     let ledger = fleet.ledger();
     let Some(station) = why.station() else { return false };

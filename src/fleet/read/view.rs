@@ -1,4 +1,4 @@
-//! The read model: everything that outsiders see of the fleet, as one immutable value.
+//! The read model: everything that is seen of the fleet from outside, as one immutable value.
 //!
 //! Main types: [`View`], [`RobotView`], [`JobWhy`]. Made on demand by [`crate::Fleet::view`], since
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
@@ -33,10 +33,10 @@ use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// So many jobs in line are known to a view.
+/// How many jobs in line a view has at most.
 pub const LINE: usize = 100;
 
-/// The building as a view has it. Two are equal if they are the same one; a view of no fleet has none.
+/// The building as a view has it. Two are equal if they are the same object; a view of no fleet has none.
 #[derive(Clone, Debug, Default)]
 pub struct ViewBuilding(pub Option<Arc<Warehouse>>);
 
@@ -53,7 +53,7 @@ impl PartialEq for ViewBuilding {
 /// The fleet at one moment.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct View {
-    /// When.
+    /// The moment.
     pub now: Time,
     /// Every robot, by number.
     pub robots: Vec<RobotView>,
@@ -67,111 +67,112 @@ pub struct View {
     pub closures: Vec<ClosureView>,
     /// Areas that are closed again and again.
     pub recurring: BTreeMap<SeriesId, RecurringClosure>,
-    /// Since when everybody is to leave the building.
+    /// Since when all people are to leave the building.
     pub evacuation: Option<Time>,
-    /// Waiting jobs that come after others, each with one that is not over yet. A robot that jobs name does one first.
+    /// Waiting jobs that come after others, each with one that is not over yet. A robot that several jobs name does one
+    /// of them first.
     pub blocked: BTreeMap<JobId, JobId>,
-    /// All kinds of robots that there are.
+    /// All robot kinds, including those of which no robot is.
     pub all_kinds: RobotKinds,
-    /// The building for all of them.
+    /// The building for all kinds.
     pub building: ViewBuilding,
-    /// The kinds of robots that have joined.
+    /// The kinds of the robots that have joined.
     pub kinds: BTreeSet<BodyId>,
-    /// Of each kind how many robots could take a job now, if any.
+    /// How many robots of each kind could take a job now; kinds without such robots are left out.
     pub free: BTreeMap<BodyId, usize>,
-    /// Where each of these stands, with its kind.
+    /// The kind and the node of each robot that could take a job now.
     pub free_at: Vec<(BodyId, NodeId)>,
-    /// Stations for which no more racks are fetched at present, since enough robots wait with theirs until they may
-    /// set off there; each with the one that has waited for the longest.
+    /// Stations for which no more racks are fetched at present, since enough robots with racks wait until they may set
+    /// off there; each with the robot that has waited for the longest.
     pub full: BTreeMap<StationId, RobotId>,
-    /// The first of the jobs that wait for nothing but a robot, or for others of the same rack, and that any robot may
-    /// do, with their priorities: most urgent first, [`LINE`] at most.
+    /// The first jobs, with their priorities, that wait for nothing but a robot, or for other jobs of the same rack,
+    /// and that any robot may do: most urgent first, [`LINE`] at most.
     pub line: Vec<(JobId, u8)>,
-    /// What robots that cannot drive cut off.
+    /// What closed areas and robots that cannot drive cut off.
     pub cut_off: Arc<CutOff>,
-    /// Stations at which nobody picks, since when.
+    /// Stations at which picking is paused, and since when.
     pub paused_stations: BTreeMap<StationId, Time>,
     /// Nodes that are closed, or will be soon.
     pub closing: BTreeSet<NodeId>,
     /// Since when the whole fleet is to stand, by hand.
     pub stopped: Option<Time>,
-    /// Sums.
+    /// Sums over the fleet's life.
     pub counts: Counts,
-    /// Whether forecasts of people hold, by horizon.
+    /// How often forecasts of people have held, by horizon.
     pub forecast_coverage: Vec<HorizonCoverage>,
 }
 
 /// One robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotView {
-    /// Its name.
+    /// The robot's name.
     pub name: String,
-    /// Where it was seen last; where it is booked to be before it was ever seen.
+    /// Where the robot was last seen; if it was never seen, where it is booked to be.
     pub pose: Pose,
-    /// When it was seen last.
+    /// When the robot was last seen.
     pub seen: Option<Time>,
-    /// When its newest report came in.
+    /// When the robot's newest report came in.
     pub heard: Option<Time>,
-    /// How fast, metres per second.
+    /// How fast the robot drives, metres per second.
     pub speed_mps: f64,
-    /// The name of its kind.
+    /// The name of the robot's kind.
     pub kind: String,
-    /// The name of the link by which it is reached.
+    /// The name of the link over which the robot is reached.
     pub link: String,
-    /// How it is there; nothing where it is as usual.
+    /// The state of the robot at its link; nothing if it is as usual.
     pub link_state: Option<LinkState>,
     /// Charge, 0 to 1.
     pub battery: f64,
-    /// Below this charge it takes no job.
+    /// Below this charge the robot takes no job.
     pub critical: f64,
-    /// Whether it is in maintenance, or will be when it has finished what it has begun.
+    /// Whether the robot is in maintenance, or will be when it has finished what it has begun.
     pub maintenance: bool,
-    /// Whether it is to leave the floor, and has not left yet.
+    /// Whether the robot is to leave the floor, and has not left yet.
     pub leaving: bool,
-    /// What it says is wrong with it.
+    /// What the robot reports as wrong with itself.
     pub fault: Option<Fault>,
-    /// Its state in the sense of the thesis, 4.2.4.
+    /// The robot's state in the sense of the thesis, 4.2.4.
     pub state: RobotState,
-    /// What it is doing.
+    /// The robot's task.
     pub task: Task,
-    /// The rack on it.
+    /// The rack on the robot.
     pub rack: Option<RackId>,
-    /// What it does for its task, whether it gets on or not.
+    /// What the robot does for its task, whether it makes progress or not.
     pub doing: Doing,
-    /// What it is at, in a word.
+    /// What the robot is doing, in one word.
     pub activity: Activity,
-    /// Since when.
+    /// Since when the robot has had this activity.
     pub since: Time,
-    /// How far it was seen to drive since the program started, metres.
+    /// How far the robot was seen to drive since the program started, metres.
     pub driven_m: f64,
-    /// The job it works on.
+    /// The job on which the robot works.
     pub job: Option<JobId>,
-    /// Nodes that it has been granted, in order, from where it is.
+    /// Nodes that the robot has been granted, in order, from where it is.
     pub granted: Vec<NodeId>,
-    /// Nodes that it holds beyond, in order.
+    /// Nodes that the robot holds beyond its grant, in order.
     pub held: Vec<NodeId>,
-    /// Why it does not go on, if it does not.
+    /// Why the robot does not go on, if it does not.
     pub why: Option<Why>,
-    /// Whom it passes beside the line, if it does.
+    /// The worker whom the robot passes beside the line, if it does.
     pub passes: Option<WorkerId>,
-    /// Because of whom or what it got another way last, and when; nothing since the program started.
+    /// Why the robot was last given another route, and when; nothing if it was not since the program started.
     pub replanned: Option<(ReplanCause, Time)>,
 }
 
 /// The five states of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RobotState {
-    /// Nothing to do, standing where it may stay.
+    /// The robot has nothing to do and stands where it may stay.
     Idle,
-    /// At work on a job.
+    /// The robot works on a job.
     Busy,
-    /// No job, on its way to a place to stay.
+    /// The robot has no job and is on its way to a place to stay.
     Free,
-    /// Lost its route and waits for a new one.
+    /// The robot lost its route and waits for a new one.
     Interrupted,
-    /// Cannot drive.
+    /// The robot cannot drive.
     Failed,
-    /// Has left the floor.
+    /// The robot has left the floor.
     Gone,
 }
 
@@ -180,52 +181,52 @@ pub enum RobotState {
 pub struct StationView {
     /// The robot at the picking place.
     pub robot: Option<RobotId>,
-    /// Whether a rack stands there to be picked from.
+    /// Whether a rack stands at the picking place to be picked from.
     pub picking: bool,
-    /// The job for which it is picked, unless that was cancelled.
+    /// The job for which the rack is picked from, unless that was cancelled.
     pub job: Option<JobId>,
-    /// When its rack came, unless that was before the program started.
+    /// When the rack came; nothing if that was before the program started.
     pub since: Option<Time>,
-    /// Its lines, if it has any.
+    /// The lines of the job, if it has any.
     pub lines: Option<Lines>,
     /// How long the visit goes on from `now`, if its job has lines.
     pub left: Option<Remaining>,
-    /// How long it takes until the last piece is in its tote.
+    /// How long it takes from `now` until the last piece is in its tote.
     pub placed: Option<Remaining>,
     /// How well the ends of visits were expected.
     pub ends: EndsHeld,
     /// The visit whose rack left at the last grasp, until its last line is confirmed.
     pub unconfirmed: Option<Unconfirmed>,
-    /// Whether it has a work cell.
+    /// Whether the station has a work cell.
     pub has_cell: bool,
-    /// Whether hands of who picks there are of use.
+    /// Whether the picker's hands are tracked, so that they can confirm picks.
     pub hears_hands: bool,
-    /// Whether the hands of one person alone were seen there of late.
+    /// Whether the hands of exactly one person were seen at the station lately.
     pub saw_hands: bool,
-    /// What the person there was warned of a moment ago.
+    /// What the picker was warned of a moment ago.
     pub warning: Option<WrongReach>,
     /// The robot arm beside the picker.
     pub arm: Option<ArmView>,
-    /// Where hands that are on their way go, with probabilities.
+    /// Where hands that are reaching go, with probabilities.
     pub reaches: SmallVec<[SeenReach; 4]>,
-    /// The robot that brings the next rack, and when it is planned to be there, where that can be known.
+    /// The robot that brings the next rack, and when it is planned to be there, if that can be known.
     pub next: Option<(RobotId, Option<Time>)>,
-    /// Since when nobody picks, by hand.
+    /// Since when picking has been paused by hand.
     pub paused: Option<Time>,
-    /// Robots in its queue places, first in line first.
+    /// Robots in the queue places of the station, first in line first.
     pub queue: Vec<RobotId>,
     /// Racks served so far.
     pub served: u64,
 }
 
-/// Who is before a job in the line of those that wait for a robot.
+/// Jobs that are before a job in the line of those that wait for a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct JobsAhead {
     /// Jobs of higher priority.
     pub higher: usize,
-    /// Other jobs: older ones, or such with a nearer deadline.
+    /// Other jobs: older ones, or jobs with a nearer deadline.
     pub others: usize,
-    /// Whether there are more than those counted.
+    /// Whether there are more jobs ahead than those counted.
     pub more: bool,
 }
 
@@ -234,41 +235,41 @@ pub struct JobsAhead {
 pub enum JobWhy {
     /// Another job must be over first.
     After(JobId),
-    /// Its rack is on a robot, or a robot is on its way to it, for another job or back to storage.
+    /// The job's rack is on a robot, or a robot is on its way to it, for another job or back to storage.
     RackBusy(RackId, RobotId, Option<JobId>),
     /// The robot that the customer named has something else to do.
     RobotBusy(RobotId, Option<JobId>),
-    /// No robot that could do it is free, and it is the first in line.
+    /// No robot that could do the job is free, and the job is the first in line.
     NoRobot,
-    /// No robot that could do it is free, and these jobs are before it.
+    /// No robot that could do the job is free, and other jobs are before it.
     Outranked(JobsAhead),
     /// No robot has joined that can carry the rack, and may drive to it and to where it is wanted.
     NoKind,
-    /// In every place of the station stands a robot.
+    /// A robot stands in every place of the station.
     StationFull(StationId),
-    /// Enough robots wait with their racks for the station already; this one has waited for the longest.
+    /// Enough robots with racks wait for the station already; this robot has waited for the longest.
     RacksWait(StationId, RobotId),
-    /// Nobody picks at the station.
+    /// Picking is paused at the station.
     StationPaused(StationId),
     /// A robot that cannot drive stands at the station, in its queue or on the way out.
     StationBlocked(StationId, RobotId),
-    /// The rack, or where it is to go, is closed off, or will be soon.
+    /// The rack, or the place where it is to go, is closed off, or will be soon.
     ClosedOff,
     /// A robot that cannot take the job stands beneath the rack.
     RackBlocked(RackId, RobotId),
-    /// A robot that cannot drive stands on the only way to the rack, or to where it is to go.
+    /// A robot that cannot drive stands on the only way to the rack, or to the place where it is to go.
     WayBlocked(RobotId),
-    /// This closed area cuts the rack off from where it is to go.
+    /// This closed area cuts the rack off from the place where it is to go.
     WayClosed(ClosureId),
     /// No charger, or no parking place, is free.
     NoPlace(NodeKind),
-    /// The robot that the customer named has too little charge for it.
+    /// The robot that the customer named has too little charge for the job.
     RobotLow(RobotId),
-    /// The robot at work on it does not go on.
+    /// The robot that works on the job does not go on.
     Robot(RobotId, Why),
 }
 
-/// What is on the only way of a job.
+/// Says what is on the only way of a job.
 impl From<Barrier> for JobWhy {
     fn from(cut: Barrier) -> JobWhy {
         match cut {
@@ -329,7 +330,7 @@ impl View {
         }
         match robot.why {
             Some(why) if why.is_by_itself() => Some(JobWhy::Robot(chosen, why)),
-            // It also puts the rack away that it has.
+            // The chosen robot first puts away the rack that it has.
             _ if robot.job.is_some() || robot.task.carried().is_some() => {
                 Some(JobWhy::RobotBusy(chosen, robot.job))
             }
@@ -338,13 +339,13 @@ impl View {
         }
     }
 
-    /// Why no robot fetches a rack that stands in storage.
+    /// Why no robot fetches a rack that stands in storage, if that is so.
     fn why_not_fetched(&self, map: &Warehouse, id: JobId, request: &JobRequest) -> Option<JobWhy> {
         let kind = &request.kind;
         let rack = kind.rack()?;
         let RackAt::Stored(node) = *self.racks.get(rack.ix())? else { return None };
         let closed = |n: &NodeId| self.closing.contains(n);
-        // The map that callers have may be from before a kind was added.
+        // The caller's map may be from before a kind was added.
         let for_all = self.building.0.as_deref().unwrap_or(map);
         let fits = |body: &BodyId| request.is_for(for_all, *body, (rack, node));
         if !self.kinds.is_empty() && !self.kinds.iter().any(fits) {
@@ -385,7 +386,7 @@ impl View {
             .or_else(|| self.out_of_reach(map, node, fits))
     }
 
-    /// That no robot is free for a job, with who is before it.
+    /// Says that no robot is free for a job, and how many jobs are before it.
     fn in_line(&self, id: JobId, priority: u8) -> JobWhy {
         let place = self.line.iter().position(|(other, _)| *other == id);
         let before = &self.line[..place.unwrap_or(self.line.len())];
@@ -396,19 +397,19 @@ impl View {
         }
     }
 
-    /// What is on all ways of a robot to a node.
+    /// What bars all ways of a robot to a node, if something does.
     fn cuts_off(&self, map: &Warehouse, robot: &RobotView, node: NodeId) -> Option<Barrier> {
         let here = robot.held.last().or(robot.granted.last())?;
         self.cut_off.between(map, (*here, node), false, std::iter::empty())
     }
 
-    /// Whether in every place of a station stands a robot.
+    /// Whether a robot stands in every place of a station.
     pub fn is_full(&self, map: &Warehouse, station: StationId) -> bool {
         let is_at = |s: &StationView| s.robot.is_some() && s.queue.len() == map.stations[station].queue.len();
         self.stations.get(station.ix()).is_some_and(is_at)
     }
 
-    /// Whether all robots that could take a job for a rack are cut off from it.
+    /// What is between a rack and all robots that could take a job for it, if all of them are cut off from it.
     fn out_of_reach(&self, map: &Warehouse, node: NodeId, fits: impl Fn(&BodyId) -> bool) -> Option<JobWhy> {
         let mut free = self.free_at.iter().filter(|(body, _)| fits(body));
         let none = !self.cut_off.is_empty() && free.all(|(_, here)| !self.cut_off.may_fetch(*here, node));
@@ -434,7 +435,7 @@ pub struct Counts {
     pub human_deliveries: u64,
     /// Jobs that no robot has yet.
     pub waiting: u64,
-    /// Jobs at work.
+    /// Jobs that a robot has.
     pub active: u64,
     /// Jobs done.
     pub done: u64,
@@ -444,9 +445,9 @@ pub struct Counts {
     pub failed: u64,
     /// Routes planned.
     pub plans: u64,
-    /// Searches that found none.
+    /// Searches that found no route.
     pub plan_failures: u64,
-    /// Routes that were inserted by moving others.
+    /// Routes that were inserted by moving other robots.
     pub insertions: InsertionCounts,
     /// Order lines that were over, since the program started.
     pub lines: u64,
@@ -460,6 +461,6 @@ pub struct Counts {
     pub interruptions: u64,
     /// Routes planned anew because of workers and closures.
     pub replans: u64,
-    /// Zones of robots and workers, by how robots answered them.
+    /// Zones that robots and workers shared, by how the robots answered them.
     pub zones: ZoneCounts,
 }

@@ -1,7 +1,7 @@
 //! Why a robot or a job waits, to the root: the resource, its holder, until when, and what the holder waits for.
 //!
 //! Main types: [`Waiting`], [`Because`], [`Standstill`]. The chain is that of the wait-for graph, which every step
-//! notes; what is added on demand is until when, and how many pass before. Refuses: to find out reasons of its own, to
+//! notes; only until when, and how many pass before, is added on demand. Refuses: to find out reasons of its own, to
 //! change anything, and to promise: windows slide when a robot is late.
 
 use crate::Fleet;
@@ -18,34 +18,34 @@ use giveway_floor::time::{Span, Time};
 use giveway_people::human::{Presence, Whereabouts};
 use std::collections::BTreeSet;
 
-/// So many links at most; a chain is seldom longer than the queue of a station.
+/// How many links a chain has at most; it is seldom longer than the queue of a station.
 const LONGEST: usize = 40;
 
-/// What a robot does at a stop takes no longer than this, apart from a pick as long as it was said to take.
+/// A robot's action at a stop takes no longer than this, apart from a pick, which takes this beyond its planned time.
 const HANDLES: Span = Span::from_secs(30);
 
-/// A worker whom no source knows.
+/// A worker of whose place no source knows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LostWorker {
-    /// Who.
+    /// The worker.
     pub worker: WorkerId,
-    /// For how long.
+    /// For how long the worker has been silent.
     pub silent: Span,
-    /// Robots that wait for that worker, the longest waiting first.
+    /// Robots that wait for the worker, the longest waiting first.
     pub waiting: Vec<RobotId>,
 }
 
-/// One link of the chain.
+/// One link of a chain of waiting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Waiting {
     /// What waits, or what the link before waits for.
     pub who: Who,
-    /// For what.
+    /// What it waits for.
     pub because: Because,
-    /// Until when, as things stand; nothing where that cannot be known, as for all links of a chain at whose end it
-    /// is not.
+    /// Until when it waits, as things stand; nothing if that cannot be known, as for all links of a chain whose end has
+    /// no known time.
     pub until: Option<Time>,
-    /// How many holders pass before, where a resource is waited for.
+    /// How many holders pass before, if a resource is waited for.
     pub ahead: usize,
 }
 
@@ -60,29 +60,29 @@ pub enum Who {
     Worker(WorkerId),
 }
 
-/// Robots and workers that wait and that nothing which goes on by itself will set free.
+/// Robots and workers that wait for something that will not go on by itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Standstill {
     /// How their chains of waiting end.
     pub end: ChainEnd,
-    /// Those that wait for one another, if the end is a cycle; else the party at the end.
+    /// The parties that wait for one another, if the end is a cycle; otherwise the party at the end.
     pub root: Vec<Party>,
-    /// All that wait for these, directly or behind others.
+    /// All parties that wait for the root, directly or behind others.
     pub behind: Vec<Party>,
-    /// Since when there has been one with this root or any other: when the first of them began to wait in vain.
+    /// Since when there has been a standstill with this root or any other: when the first party began to wait in vain.
     pub since: Time,
 }
 
-/// What a link says.
+/// Why the party of a link does not go on, or what it is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Because {
     /// A job waits.
     Job(JobWhy),
     /// A robot waits.
     Robot(Why),
-    /// A robot is doing something at a stop, and goes on then.
+    /// A robot acts at a stop, and then goes on.
     AtStop(Act),
-    /// A robot drives: what it holds is free when it has left.
+    /// A robot drives: what it holds is free once it has left.
     Drives,
     /// A robot's way goes on at a set time.
     Later,
@@ -96,7 +96,7 @@ pub enum Because {
     NoWay,
     /// A worker stands, and may walk on or not.
     Stands,
-    /// A worker's headset has lost its place: somebody has to look.
+    /// A worker's headset has lost its place: a person has to look.
     Lost,
 }
 
@@ -115,7 +115,7 @@ impl Fleet {
         chain
     }
 
-    /// Why a job does not go on, to the root; nothing where it is over.
+    /// Why a job does not go on, to the root; nothing if the job is over.
     pub fn job_waits(&self, job: JobId, now: Time) -> Vec<Waiting> {
         let view = self.view(now);
         let mut chain = Vec::new();
@@ -126,7 +126,7 @@ impl Fleet {
         chain
     }
 
-    /// One link for a job, and the links of the robot behind it. Gives the job that it waits for.
+    /// Adds one link for a job, and the links of the robot behind it. Returns the job that it waits for.
     fn follow_job(&self, view: &View, id: JobId, now: Time, chain: &mut Vec<Waiting>) -> Option<JobId> {
         let job = self.writer.ledger().jobs.get(&id)?;
         let who = Who::Job(id);
@@ -159,7 +159,7 @@ impl Fleet {
         };
         let (until, ahead) =
             (None, if let JobWhy::Outranked(ahead) = why { ahead.higher + ahead.others } else { 0 });
-        // A job that has its robot waits for what the robot waits for: the robot's own link says it.
+        // A job that has its robot waits for what the robot waits for: the link of the robot says it.
         if job.state == JobState::Waiting {
             chain.push(Waiting { who, because: Because::Job(why), until, ahead });
         }
@@ -169,7 +169,7 @@ impl Fleet {
         if let JobWhy::After(first) = why { Some(first) } else { None }
     }
 
-    /// The links from a robot on.
+    /// Adds the links from a robot on.
     fn follow(&self, robot: RobotId, now: Time, chain: &mut Vec<Waiting>) {
         let (begin, mut seen) = (chain.len(), BTreeSet::new());
         let mut next = Some(Party::Robot(robot));
@@ -192,14 +192,14 @@ impl Fleet {
                 Edge::Moves | Edge::Until(_) | Edge::Operator | Edge::NoWay | Edge::Still => None,
             };
         }
-        // What is planned behind something of which nobody knows when it ends is put off again and again.
+        // What is planned behind something whose end is unknown is put off again and again.
         let has_time = next.is_none() && chain.last().is_some_and(|root| root.until.is_some());
         if !has_time {
             chain[begin..].iter_mut().for_each(|link| link.until = None);
         }
     }
 
-    /// Whether what a robot does at a stop takes longer than it was to: its plan is put off again and again.
+    /// Whether a robot's action at a stop takes longer than planned, so that its plan is put off again and again.
     fn is_overdue(&self, robot: RobotId, act: Act, now: Time) -> bool {
         let (_, since) = self.activity(robot, now);
         let job =
@@ -215,7 +215,8 @@ impl Fleet {
         now - since > planned.unwrap_or(Span::ZERO) + HANDLES
     }
 
-    /// What a robot waits for. `wanted` is what the link before wants of it, and when that is to be free.
+    /// What a robot waits for. `wanted` is the robot's resource that the link before waits for, and when it is to be
+    /// free.
     fn robot_link(&self, robot: RobotId, wanted: Option<(ResourceId, Option<Time>)>, now: Time) -> Waiting {
         let who = Who::Robot(robot);
         let link = |because, until: Option<Time>, ahead| Waiting {
@@ -271,7 +272,7 @@ impl Fleet {
         self.writer.waits.of(party)
     }
 
-    /// Workers whom no source has known for this long: robots stay out of all that each may have reached.
+    /// Workers of whom no source has known for this long: robots stay out of all places that each may have reached.
     pub fn lost_workers(&self, long: Span, now: Time) -> Vec<LostWorker> {
         let people = self.people.people.pairs();
         let lost = people.filter_map(|(worker, person)| {
@@ -291,8 +292,8 @@ impl Fleet {
         self.people.present(now).into_iter().filter_map(inside).collect()
     }
 
-    /// People whom the fleet has kept in one spot for longer than this: waiting for a robot, for a way, or to let a
-    /// robot pass.
+    /// Workers whom the fleet has kept in one spot for longer than this, and for how long: waiting for a robot, for a
+    /// way, or to let a robot pass.
     pub fn kept_workers(&self, long: Span) -> Vec<(WorkerId, Span)> {
         let waited = |worker| (worker, self.writer.waits.kept_in_one_spot(worker));
         self.people.people.ids().map(waited).filter(|(_, waited)| *waited > long).collect()
@@ -303,13 +304,13 @@ impl Fleet {
         self.traffic.has_obstructions()
     }
 
-    /// Places at which a robot reported an obstacle and that it has turned away from: closed until they are tried
-    /// again. With the robot, and since when.
+    /// Places at which a robot reported an obstacle and from which it has turned away; they are closed until they are
+    /// tried again. Each with the robot, and since when.
     pub fn left_obstacles(&self) -> Vec<(NodeId, RobotId, Time)> {
         self.traffic.left_obstacles(self.floor()).collect()
     }
 
-    /// What robots and workers wait for without anything that would set them free, as of the last step.
+    /// Robots and workers that wait without anything that would set them free, as of the last step.
     pub fn standstills(&self) -> Vec<Standstill> {
         let mut by_root: Vec<Standstill> = Vec::new();
         let waits = self.writer.waits.parties();
@@ -331,7 +332,7 @@ impl Fleet {
 }
 
 impl Floor<'_> {
-    /// A robot that waits for nothing.
+    /// The link of a robot that waits for nothing.
     fn goes_on(
         &self,
         robot: RobotId,
