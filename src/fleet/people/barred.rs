@@ -1,7 +1,7 @@
-//! Areas that are closed to people: which way leads round them, which place lies inside, who has to come out.
+//! Areas that are closed to people: which way leads round them, which places lie inside, which people have to come out.
 //!
-//! Main type: [`Barred`]. Looked at when a closure is announced or taken back, and not in steps in which none is.
-//! Refuses: closures that bind robots alone, and to lead anybody.
+//! Main type: [`Barred`]. Looked at when a closure is announced or taken back, and in no other step. Refuses: closures
+//! that bind robots alone, and to lead people.
 
 use crate::state::worker::Closure;
 use giveway_floor::geometry::{Point, Segment, Spot, inside, runs_through};
@@ -12,11 +12,11 @@ use giveway_floor::warehouse::walkway::{EdgeSet, Walkways};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Whoever walks slowly is through by then, metres per second: an area that begins earlier is walked round.
+/// The speed of slow walkers, metres per second: an area that begins before they would be through is walked round.
 const SLOW_MPS: f64 = 0.8;
-/// An area is as good as closed so long before it begins: whoever is inside is led out from then on.
+/// How long before it begins an area counts as closed: people inside are led out from then on.
 pub(super) const MARGIN: Span = Span::from_secs(10);
-/// Around a node that is closed by name, this much is closed to people to each side, metres.
+/// How far to each side of a node that is closed by name the floor is closed to people, metres.
 const AROUND_NODE_M: f64 = 0.5;
 
 /// One area that is closed to people.
@@ -49,17 +49,17 @@ impl BarredArea {
         BarredArea { id, window: closure.window, outlines }
     }
 
-    /// Whether a place lies inside.
+    /// Whether a place lies inside the area.
     pub fn has(&self, p: Point) -> bool {
         self.outlines.iter().any(|o| inside(o, p))
     }
 
-    /// Whether it is closed at a time, or will be in a moment.
+    /// Whether the area is closed at a time, or will be in a moment.
     pub fn is_shut(&self, at: Time) -> bool {
         self.window.start() <= at + MARGIN && at < self.window.end()
     }
 
-    /// Whether somebody who sets off now along a way would be inside while it is closed.
+    /// Whether a person who sets off now along a way would be inside the area while it is closed.
     fn is_met(&self, way: &[Point], now: Time) -> bool {
         let (mut length_m, mut last_m) = (0.0, None);
         for w in way.windows(2) {
@@ -95,20 +95,20 @@ impl Barred {
         self.areas.iter().find(|a| a.is_shut(now) && a.has(at))
     }
 
-    /// The area that has been closed around a place for at least so long.
+    /// The area around a place that has been closed for at least this long.
     pub fn closed_for(&self, at: Point, since: Span, now: Time) -> Option<ClosureId> {
         let shut = |a: &&BarredArea| a.window.start() + since <= now && now < a.window.end();
         self.areas.iter().filter(shut).find(|a| a.has(at)).map(|a| a.id)
     }
 
-    /// The area that is closed before somebody who is at `at` would have been at a place for `stay`.
+    /// The area that closes before a person who is now at `at` would have been at `place` for `stay`.
     pub fn shuts(&self, at: Point, place: Point, stay: Span, now: Time) -> Option<ClosureId> {
         let done = now + Span::from_secs_f64((place - at).norm() / SLOW_MPS) + stay;
         let shut = |a: &&BarredArea| a.window.start() <= done + MARGIN && now < a.window.end();
         self.areas.iter().filter(shut).find(|a| a.has(place)).map(|a| a.id)
     }
 
-    /// The first area that a way leads into while it is closed, but for one in which it begins or ends.
+    /// The first area that a way leads into while it is closed, except for areas in which the way begins or ends.
     pub fn met(&self, way: &[Point], now: Time) -> Option<ClosureId> {
         self.met_areas(way, now).next().map(|a| a.id)
     }
@@ -119,14 +119,14 @@ impl Barred {
         self.areas.iter().filter(move |a| a.is_met(way, now) && !holds_an_end(a))
     }
 
-    /// Cuts what is closed at this moment.
+    /// Cuts the walkways in areas that are closed at this moment.
     pub fn cut_shut(&self, walkways: &Walkways, cut: &mut EdgeSet, now: Time) {
         let shut = self.areas.iter().filter(|a| a.is_shut(now)).flat_map(|a| &a.outlines);
         shut.for_each(|outline| walkways.cut_area(cut, outline));
     }
 
-    /// The shortest way without the cut walkways that is in no area while that is closed; and an area that it leads
-    /// round.
+    /// The shortest way that uses no cut walkway and is in no area while that is closed; with an area that the way
+    /// leads round.
     pub fn way_round(
         &self,
         walkways: &Walkways,
@@ -140,8 +140,8 @@ impl Barred {
             let met: Vec<&BarredArea> = self.met_areas(&way, now).collect();
             let Some(first) = met.first() else { return Some((way, round)) };
             round.get_or_insert(first.id);
-            // From a place where nobody can stand, the first piece may lead through an area that is cut already: there
-            // is no way round it then.
+            // From a place where no one can stand, the first piece may lead through an area that is cut already: then
+            // there is no way round it.
             let new: Vec<&BarredArea> = met.into_iter().filter(|a| avoided.insert(a.id)).collect();
             if new.is_empty() {
                 return None;
@@ -179,7 +179,7 @@ mod tests {
             let Some(way) = walkways.path(at, goal, &free) else { continue };
             let first = Segment { a: at, b: way.points[1] };
             let area = around(first.point(0.3));
-            // It lies across the way from where the worker is said to be, and not from where the worker can be.
+            // The area lies across the way from where the worker is said to be, and not from where the worker can be.
             if area.outlines.iter().any(|o| runs_through(o, Segment { a: on, b: first.b })) || area.has(at) {
                 continue;
             }

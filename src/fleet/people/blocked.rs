@@ -1,6 +1,6 @@
-//! Walkways that robots block for long or closed areas cover, on which people are not led; and ways past those robots.
+//! Walkways that robots block for long or closed areas cover, where people are not led; and ways past those robots.
 //!
-//! Main type: [`WaysPast`]. Refuses: to cut what a robot leaves by itself.
+//! Main type: [`WaysPast`]. Refuses: to cut walkways that a robot leaves by itself.
 
 use crate::people::state::HumanState;
 use crate::state::floor::Floor;
@@ -12,29 +12,29 @@ use giveway_floor::warehouse::walkway::{EdgeSet, Square, WalkPath, Walkways, Way
 use giveway_people::aware::BODY_M;
 use std::cell::OnceCell;
 
-/// Room between a person and a robot along whose side the person walks, metres.
+/// Room between a robot and a person who walks along its side, metres.
 const ALONG_M: f64 = 0.07;
-/// Ways between robots are looked for as far as this, metres …
+/// How far ways between robots are searched for, metres.
 const BETWEEN_M: f64 = 4.0;
-/// … and not to a place nearer than this: it would be no way out, metres …
+/// The nearest place to which such a way leads, metres: anything nearer would be no way out.
 const LEAST_M: f64 = 1.0;
-/// … and from so many places on.
+/// How many places at which such ways end are tried.
 const ENDS: usize = 8;
-/// A person who has been kept for so long beside a robot is not at the side of it that was measured …
+/// A person who has been kept beside a robot for this long is not at the side of it that was measured.
 const WRONG_SIDE: Span = Span::from_secs(20);
-/// … but at another one; each of them is tried for so long.
+/// How long each of the other sides is tried.
 const EACH_SIDE: Span = Span::from_secs(9);
 /// How far one straight step leads, metres.
 const STEP_M: f64 = 1.8;
 
-/// Ways on from where a person is, who may stand face to face with a robot. What does not depend on the goal is
-/// searched once, and only if it is needed.
+/// Ways on for a person who may stand face to face with a robot. What does not depend on the goal is searched for once,
+/// and only if it is needed.
 pub struct WaysPast<'a> {
     walkways: &'a Walkways,
     floor: Floor<'a>,
     at: Point,
     cut: &'a EdgeSet,
-    /// Where the person steps to first.
+    /// Where the person steps first.
     first: Option<Point>,
     steps: OnceCell<Vec<Point>>,
     between: OnceCell<(WaysBetween<'a>, Vec<Point>)>,
@@ -53,8 +53,9 @@ impl HumanState {
         cut
     }
 
-    /// Walkways on which robots rest, are broken, or have yielded for long: no worker waits for those to go away. One
-    /// that yields and has nowhere to go would be met again and again, by a worker who is led from one to the next.
+    /// Walkways on which robots rest, are broken, or have yielded for long: no worker waits for these to go away. A
+    /// robot that yields and has nowhere to go would be met again and again by a worker who is led from one to the
+    /// next.
     pub(super) fn edges_robots_block(
         &self,
         floor: Floor<'_>,
@@ -84,8 +85,8 @@ impl<'a> WaysPast<'a> {
         WaysPast { walkways: &people.walkways, floor, at, cut, first: None, steps, between }
     }
 
-    /// A person who is measured to be inside a robot is at one of its sides, and the nearest of them need not be the
-    /// right one: for somebody who has been kept there for long, ways begin at one side after the other.
+    /// Ways that begin at one side of a robot after the other, for a person who has been kept there for long: a person
+    /// who is measured to be inside a robot is at one of its sides, and the nearest side need not be the right one.
     pub fn by_sides(self, kept: Span) -> WaysPast<'a> {
         if kept < WRONG_SIDE {
             return self;
@@ -104,14 +105,14 @@ impl<'a> WaysPast<'a> {
             |p: &Point| self.walkways.is_free(*p) && squares.iter().all(|s| s.depth_m(*p) <= ALONG_M);
         let mut open: Vec<Point> = sides.into_iter().filter(is_open).collect();
         open.sort_by(|a, b| (a - self.at).norm().total_cmp(&(b - self.at).norm()));
-        // The nearest one was tried until now.
+        // The nearest side was tried until now.
         let turns = 1 + ((kept - WRONG_SIDE).0 / EACH_SIDE.0) as usize;
         let first = (!open.is_empty()).then(|| open[turns % open.len()]);
         WaysPast { first, ..self }
     }
 
-    /// A way to a place: on walkways that are not cut, or after one straight step past the robots, or along the sides
-    /// of those that stand.
+    /// A way to a place: on walkways that are not cut, else after one straight step past the robots, else along the
+    /// sides of robots that stand.
     pub fn to(&self, goal: Point) -> Option<Vec<Point>> {
         let on = |p: Point| self.walkways.path(p, goal, self.cut);
         if let Some(way) = self.first.and_then(on) {
@@ -133,7 +134,7 @@ impl<'a> WaysPast<'a> {
         Some(points)
     }
 
-    /// Where one straight step leads that comes near no robot that it does not lead away from.
+    /// Where one straight step leads, if it comes near no robot except one that it leads away from.
     fn steps(&self) -> Vec<Point> {
         let robots = self.floor.ledger.present();
         let robots: Vec<_> =
@@ -147,14 +148,14 @@ impl<'a> WaysPast<'a> {
         near.map(|(n, _)| self.walkways.nodes()[n].at).filter(is_clear).collect()
     }
 
-    /// The floor that is not free because of robots that stand near.
+    /// The squares of floor that robots take that stand nearby.
     fn standing(&self) -> impl Iterator<Item = Square> {
         let floor = self.floor;
         let standing = floor.ledger.present().filter(move |r| floor.stands_near(*r, self.at));
         standing.map(move |r| Square { at: floor.place_of(r), half_m: floor.beside_m(r, BODY_M) + ALONG_M })
     }
 
-    /// Ways between the robots that stand near, and the walkways that they lead to, the nearest first.
+    /// Ways between the robots that stand nearby, and the walkways that they lead to, the nearest first.
     fn between(&self) -> (WaysBetween<'a>, Vec<Point>) {
         let ways = self.walkways.ways_between(self.at, self.standing().collect(), BETWEEN_M);
         let nodes = self.walkways.around(self.at, BETWEEN_M).map(|n| self.walkways.nodes()[n].at);
@@ -168,7 +169,7 @@ impl<'a> WaysPast<'a> {
 }
 
 impl Floor<'_> {
-    /// Whether a robot stands, as far as that is seen.
+    /// Whether a robot stands, as far as is seen.
     pub(super) fn stands(&self, robot: RobotId) -> bool {
         self.scene.robot(robot).is_none_or(|t| t.speed_mps < 0.05)
     }

@@ -1,4 +1,4 @@
-//! Everybody is to leave the building: each worker is led to the nearest door that can be reached.
+//! Evacuation: each worker is led to the nearest door that can be reached.
 //!
 //! Refuses: to be an alarm system; it shows ways to people who wear a device, and keeps robots off them.
 
@@ -14,11 +14,11 @@ use giveway_floor::warehouse::walkway::EdgeSet;
 use giveway_people::aware::BODY_M;
 use giveway_people::human::Whereabouts;
 
-/// Somebody so near to a door is out, metres.
+/// A person this near to a door is out, metres.
 const OUT_M: f64 = 1.0;
 
 impl HumanState {
-    /// Leads a worker to the nearest door while the building is evacuated; whether it is.
+    /// Leads a worker to the nearest door while the building is evacuated. Returns whether it is.
     pub(super) fn lead_to_exit(
         &mut self,
         writer: &mut Writer,
@@ -48,7 +48,7 @@ impl HumanState {
             (person.plan, person.mode, person.way_out) = (None, WalkMode::Idle, Vec::new());
             return true;
         }
-        // Robots that can drive leave the shortest way. Rather through a closed area than nowhere.
+        // Robots that can drive leave the shortest way. A way through a closed area is better than none.
         let cut = self.edges_closed_for_good(floor, now);
         let way = self.way_to_exit(floor, at, &cut);
         let way = way.or_else(|| self.way_to_exit(floor, at, &self.walkways.no_edges()));
@@ -67,7 +67,7 @@ impl HumanState {
         true
     }
 
-    /// Walkways in closed areas, and those on which robots stand that cannot drive.
+    /// Walkways in closed areas, and walkways on which robots stand that cannot drive.
     fn edges_closed_for_good(&self, floor: Floor<'_>, now: Time) -> EdgeSet {
         let mut cut = self.walkways.no_edges();
         self.barred.cut_shut(&self.walkways, &mut cut, now);
@@ -91,13 +91,13 @@ impl HumanState {
         exits.filter_map(|n| self.walkways.on_floor(floor.warehouse().nodes[n].at)).collect()
     }
 
-    /// Whether somebody is at a door.
+    /// Whether a person is at a door.
     pub(crate) fn is_out(&self, floor: Floor<'_>, at: Point) -> bool {
         self.exits(floor).into_iter().any(|exit| (exit - at).norm() <= OUT_M)
     }
 
-    /// The ways of all workers to the doors while the building is evacuated: those that they are shown, and the
-    /// shortest ones, which robots clear although somebody is led round them for the moment.
+    /// The ways of all workers to the doors while the building is evacuated: the ways that they are shown, and the
+    /// shortest ones, which robots clear although a worker is led round them for the moment.
     pub(crate) fn ways_out(&self, floor: Floor<'_>, now: Time) -> Vec<Vec<Point>> {
         let present = self.present(now).into_iter().filter(|(_, place)| !self.is_out(floor, place.at));
         let shown = |(worker, place): (WorkerId, Whereabouts)| {

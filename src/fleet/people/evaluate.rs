@@ -15,7 +15,7 @@ use giveway_floor::time::{Span, Time};
 use giveway_people::aware::{Effects, HumanAwarePolicy};
 use giveway_people::human::{Band, Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
 
-/// A worker who follows a new path for this far is on the path again, metres.
+/// A worker who has followed a new path for this far is on the path again, metres.
 const BACK_M: f64 = 1.0;
 
 impl HumanState {
@@ -44,8 +44,8 @@ impl HumanState {
         self.follow_motion(&floor.settings.model, s, taken);
     }
 
-    /// Forgets what was believed of a worker: a supervisor says that it is wrong. Sightings from before that, which are
-    /// still on their way, change nothing any more.
+    /// Forgets what was believed of a worker: a supervisor says that it is wrong. Sightings from before that are still
+    /// under way change nothing any more.
     pub(super) fn clear(&mut self, worker: WorkerId, now: Time) {
         self.intents.forget(worker);
         let person = self.person(worker);
@@ -75,7 +75,7 @@ impl HumanState {
         let Some(place) = self.whereabouts(worker, now) else { return };
         let is_evacuated = self.lead_to_exit(writer, worker, place.at, now);
         if is_evacuated {
-            // Whatever there is to do waits.
+            // The worker's assignments wait.
         } else if self.people[worker].lets_pass.is_none_or(|l| l.stage == LetsPassStage::Waits) {
             self.mind_closures(writer.floor(), yielding, worker, place.at, now);
             self.take_up_work(writer, yielding, worker, place.at, now);
@@ -110,7 +110,7 @@ impl HumanState {
             (Conduct::Deviating, WalkMode::Deviating { .. }) => {
                 self.show_the_way_back(writer.floor(), yielding, worker, place.at, now)
             }
-            // Told to stop off the path: the procedure tries again by itself.
+            // The worker was told to stop off the path: the procedure tries again by itself.
             (Conduct::Deviating, WalkMode::Stopped { .. })
                 if writer.settings.policy != HumanAwarePolicy::Giveway => {}
             (Conduct::Deviating, _) => self.leaves_path(writer, yielding, worker, place.at, now),
@@ -128,7 +128,7 @@ impl HumanState {
         }
     }
 
-    /// Works out what people mean for the search and for grants, for each kind of robots.
+    /// Computes the conditions that people cause for the search and for grants, for each robot kind.
     pub(super) fn restrict(&mut self, floor: Floor<'_>, now: Time) {
         let ours = floor.settings.policy == HumanAwarePolicy::Giveway;
         let present = self.among_robots(now);
@@ -147,7 +147,7 @@ impl HumanState {
         self.conditions = all;
     }
 
-    /// Notes what one person means for robots of one set of regions.
+    /// Adds the conditions that one person causes for robots of one set of regions.
     fn restrict_around(
         &self,
         effects: &Effects<'_>,
@@ -172,7 +172,7 @@ impl HumanState {
                 effects.reachable(conditions, worker, place.at);
             }
         } else if let WalkMode::Stopped { since } = person.mode {
-            // Who was told to stop stands, and does not walk the path that was given before.
+            // A worker who was told to stop stands, and does not walk the path that was given before.
             effects.presence(conditions, worker, place, now - since);
         } else if let Some(path) = person.rest_of_path(place.at) {
             let stay = person.plan.as_ref().map(|p| p.stay);
@@ -181,7 +181,7 @@ impl HumanState {
         }
     }
 
-    /// Leads a worker as the published procedure has it, from the next step on.
+    /// Leads a worker as the published procedure says, from the next step on.
     pub(crate) fn lead(&mut self, worker: WorkerId, led: Led, now: Time) {
         let person = &mut self.people[worker];
         match led {

@@ -1,7 +1,7 @@
-//! Where workers will be within seconds, with what probability; whether such forecasts hold; and which robots brake for
+//! Where workers will be within seconds, and how probably; whether such forecasts come true; and which robots brake for
 //! them.
 //!
-//! Main type: [`Expected`], for readers. Refuses: to let a robot drive because a forecast says that nobody will be
+//! Main type: [`Expected`], for display. Refuses: to let a robot drive because a forecast says that no one will be
 //! there: forecasts only make robots brake.
 
 use crate::people::state::{HumanState, NodesTaken};
@@ -15,31 +15,31 @@ use giveway_people::human::{
     Whereabouts,
 };
 
-/// How far ahead readers are told, seconds.
+/// How far ahead forecasts for display go, seconds.
 pub const AHEAD_S: [f64; 3] = [1.0, 2.0, 4.0];
 
-/// Which nodes a worker will take is worked out again after so long …
+/// How long the computed nodes that a worker will take are kept.
 const LOOK_AGAIN: Span = Span::from_millis(400);
-/// … and this much or twice as much later for two thirds of the workers, so that not all are due in one step.
+/// For two thirds of the workers, this much or twice as much longer, so that not all are due in one step.
 const LATER: Span = Span::from_millis(100);
-/// Nodes farther away are out of reach within the time that is looked ahead, metres.
+/// Nodes farther away are out of reach within the forecast time, metres.
 const FORESEEN_M: f64 = 35.0;
 
-/// So many bell curves for each moment are enough to be looked at.
+/// How many bell curves for each moment are enough for display.
 const CURVES: usize = 4;
 
-/// Where one worker may be, for readers; nothing is decided by it.
+/// Where one worker may be, for display; it decides nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
     /// The worker.
     pub worker: WorkerId,
-    /// How far ahead, and where then, in few parts.
+    /// How far ahead, and where the worker may be then, in few parts.
     pub ahead: Vec<(Span, Mixture)>,
 }
 
 impl HumanState {
-    /// Where workers who are seen may be in the coming seconds, for readers. Arms that do not decide by such forecasts
-    /// have none.
+    /// Where workers who are seen may be in the coming seconds, for display. Policies that do not decide by such
+    /// forecasts have none.
     pub(crate) fn expectations(&self, floor: Floor<'_>, now: Time) -> Vec<Expected> {
         if floor.settings.policy != HumanAwarePolicy::Giveway {
             return Vec::new();
@@ -56,7 +56,7 @@ impl HumanState {
         seen.filter_map(expected).collect()
     }
 
-    /// Takes a sighting that was believed into the filter of how the worker moves.
+    /// Takes an accepted sighting into the filter of how the worker moves.
     pub(crate) fn follow_motion(&mut self, model: &Model, s: &Sighting, taken: SightingOutcome) {
         let (model, worker) = (model.motion, s.worker);
         let person = self.person(worker);
@@ -72,7 +72,7 @@ impl HumanState {
         self.coverage.score(worker, s.seen, s.at);
     }
 
-    /// Notes where every worker may be going, and from time to time keeps a forecast of each to see whether it comes
+    /// Notes where every worker may be going, and from time to time stores a forecast of each to see whether it comes
     /// true.
     pub(crate) fn update_forecasts(&mut self, floor: Floor<'_>, now: Time) {
         if floor.settings.policy != HumanAwarePolicy::Giveway {
@@ -94,7 +94,7 @@ impl HumanState {
         }
     }
 
-    /// Notes which nodes a worker will take: anew every now and then, and at once when the worker does something else.
+    /// Notes which nodes a worker will take: every now and then, and at once when the worker does something else.
     fn update_occupied(&mut self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts, now: Time) {
         let person = &self.people[worker];
         let kept = LOOK_AGAIN + LATER * i64::from(worker.0 % 3);
@@ -121,7 +121,7 @@ impl HumanState {
         self.people[worker].occupied = NodesTaken { nodes, made };
     }
 
-    /// What is to be expected of a worker; nothing before it was seen.
+    /// The forecast of a worker; nothing before the worker was seen.
     fn forecast_of<'a>(&'a self, floor: Floor<'a>, worker: WorkerId) -> Option<Forecast<'a>> {
         let person = self.people.get(worker)?;
         let motion = person.motion.as_ref()?;
@@ -129,7 +129,7 @@ impl HumanState {
         Some(Forecast { motion, ways: &person.ways, bound: &model.bound, free: &model.free })
     }
 
-    /// Where a worker will be at a moment, with regions as wide as experience has made them.
+    /// Where a worker will be at a time, with regions as wide as experience has made them.
     pub(crate) fn forecast(&self, floor: Floor<'_>, worker: WorkerId, t: Time) -> Option<Mixture> {
         let forecast = self.forecast_of(floor, worker)?;
         let ahead_s = (t - forecast.motion.seen()?).max(Span::ZERO).as_secs_f64();

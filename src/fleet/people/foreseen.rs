@@ -1,6 +1,6 @@
 //! Where the people near a place are and will be in the next seconds, for robots that pass them.
 //!
-//! Main type: [`ForeseenPerson`]. Refuses: to guess where somebody walks who is not seen.
+//! Main type: [`ForeseenPerson`]. Refuses: to guess where a person walks who is not seen.
 
 use crate::people::state::HumanState;
 use crate::state::floor::Floor;
@@ -13,34 +13,34 @@ use giveway_people::local::{AHEAD_STEP_S, AHEAD_STEPS, NearPerson};
 /// One person near a place, as the fleet believes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForeseenPerson {
-    /// Who.
+    /// The worker.
     pub worker: WorkerId,
     /// Where the person most probably is now.
     pub at: Point,
     /// How the person moves, metres per second.
     pub velocity: Vector,
-    /// Where the person will be, [`AHEAD_STEP_S`] from now and so on; nothing for one who is not seen.
+    /// Where the person will be [`AHEAD_STEP_S`] from now, twice that, and so on; nothing for a person who is not seen.
     pub ahead: Vec<Mixture>,
     /// Whether the person is seen now, and in one place.
     pub is_seen: bool,
 }
 
 impl ForeseenPerson {
-    /// The same for the local planner.
+    /// The person as the local planner takes it.
     pub fn near(&self) -> NearPerson<'_> {
         NearPerson { at: self.at, velocity: self.velocity, ahead: &self.ahead }
     }
 }
 
 impl HumanState {
-    /// When a worker who is at work is to be done, if that is known and not over.
+    /// When a worker who is at work will be done, if that is known and not over.
     pub(crate) fn done_at(&self, worker: WorkerId, now: Time) -> Option<Time> {
         let person = self.people.get(worker)?;
         let done = person.there_since? + person.plan.as_ref()?.stay;
         (done > now).then_some(done)
     }
 
-    /// Those who may be within so many metres of a place; somebody whose sources do not agree in each place.
+    /// People who may be within this many metres of a place; a person whose sources disagree, in each of the places.
     pub(crate) fn foreseen(
         &self,
         floor: Floor<'_>,

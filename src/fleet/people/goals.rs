@@ -1,6 +1,6 @@
-//! Where workers are most probably going, noted for the record when that changes.
+//! Where workers are most probably going, recorded when that changes.
 //!
-//! Refuses: to infer anything, and corners of the hall, which only stand for everything else.
+//! Refuses: to infer anything, and goals at corners of the hall, which only stand for everything else.
 
 use crate::people::intents::DOORS;
 use crate::people::state::HumanState;
@@ -9,14 +9,14 @@ use crate::state::note::FloorNote;
 use crate::state::writer::Writer;
 use giveway_floor::time::{Span, Time};
 
-/// A goal less probable than this is none yet.
+/// A goal less probable than this does not count yet.
 const PROBABLE: f64 = 0.6;
 
-/// Another goal of a worker is noted this long after the last one at the earliest.
+/// Least time between two recorded goals of a worker.
 const AGAIN: Span = Span::from_secs(5);
 
 impl HumanState {
-    /// Notes the goal of each worker that has become the most probable one, by far enough.
+    /// Records the goal of each worker whose most probable goal is another one than before, and probable enough.
     pub(super) fn note_goals(&mut self, writer: &mut Writer, now: Time) {
         for (worker, _) in self.present(now) {
             let Some(belief) = self.intents.belief(worker) else { continue };

@@ -1,5 +1,4 @@
-//! What workers are told: path, next node, robots nearby, how things stand. It leaves in the step that
-//! decides it.
+//! What workers are told: path, next node, robots nearby, and their situation. It leaves in the step that decides it.
 //!
 //! Refuses: to decide where a worker is to go.
 
@@ -15,7 +14,7 @@ use giveway_people::human::{Presence, Whereabouts};
 
 /// Robots nearer than this are shown, metres.
 const NEAR_M: f64 = 8.0;
-/// At most so many.
+/// How many robots are shown at most.
 const NEAR_MOST: usize = 8;
 /// A robot slower than this does not drive up to a person, metres per second.
 const DRIVES_MPS: f64 = 0.1;
@@ -25,8 +24,8 @@ const REPEAT: Span = Span::from_millis(200);
 const USUAL_MPS: f64 = 1.2;
 
 impl HumanState {
-    /// What workers are told now: guidance that changed, or that is due again. What was seen of them in this step is
-    /// old from here on.
+    /// The guidance that workers get now: where it changed, or is due again. Marks what was seen of them in this step
+    /// as old.
     pub(super) fn guide(&mut self, floor: Floor<'_>, now: Time) -> Vec<(WorkerId, Guidance)> {
         let mut told = Vec::new();
         for worker in self.people.ids() {
@@ -55,7 +54,7 @@ impl HumanState {
         told
     }
 
-    /// What a worker is to be told now.
+    /// The guidance of a worker now.
     pub(crate) fn guidance(
         &self,
         floor: Floor<'_>,
@@ -88,12 +87,12 @@ impl HumanState {
     fn words(&self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts, now: Time) -> Words {
         let person = &self.people[worker];
         let (state, reason) = self.state_of(floor, person, place, &floor.near(place));
-        // The published procedures are told as they were written.
+        // The published procedures' words are passed on as published.
         let ours = floor.settings.policy == HumanAwarePolicy::Giveway;
         let words = match reason {
             None if floor.ledger.evacuation.is_some() => (state, Some(GuidanceReason::Evacuation)),
             None | Some(GuidanceReason::NoWay) => match self.is_asked(floor, worker, now) {
-                // Whoever is to make room is not told to stand.
+                // A worker who is to make room is not told to stand.
                 Some(asked) if state == GuidanceState::Stop && ours => {
                     (GuidanceState::Redirected, Some(asked))
                 }
@@ -183,7 +182,7 @@ impl Floor<'_> {
     }
 }
 
-/// When two that move evenly are nearest to one another; nothing where that is over.
+/// When two bodies that move evenly are nearest to one another; nothing if that is over.
 fn closest_approach(apart: Vector, velocity: Vector) -> Option<Span> {
     let speed = velocity.norm_squared();
     let t = if speed < 1e-4 { 0.0 } else { -apart.dot(&velocity) / speed };

@@ -1,9 +1,8 @@
-//! Where workers may be going: the goals that are known, the distances to them, and what is believed of each
-//! worker.
+//! Where workers may be going: the known goals, the distances to them, and what is believed of each worker.
 //!
-//! What is kept of it: [`Intents`](crate::people::intents::Intents). Goals are the workers' tasks, the doors,
-//! and the corners of the hall, which stand for everything else (Petković 2021, section 4.3.2). Refuses: to follow
-//! workers whose place is only guessed.
+//! The results are kept in [`Intents`](crate::people::intents::Intents). Goals are the workers' tasks, the doors, and
+//! the corners of the hall, which stand for everything else (Petković 2021, section 4.3.2). Refuses: to follow workers
+//! whose place is only guessed.
 
 use crate::people::intents::{DOORS, PLACES, goal_of};
 use crate::people::state::{HumanState, WalkMode};
@@ -19,18 +18,18 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// How much more probable the worker's own task is than any other goal, before anything is seen.
 const OWN_TASK: f64 = 3.0;
-/// Robots block walkways anew this often.
+/// How often walkways are blocked anew by the robots that stand on them.
 const CUT_AGAIN: Span = Span::from_millis(200);
-/// Goals with less probability than this have no path.
+/// Goals with less probability than this get no path.
 const NEGLIGIBLE: f64 = 0.02;
 /// How far paths are followed, metres.
 const FAR_M: f64 = 25.0;
 /// How far a person who goes elsewhere is followed, metres.
 const ELSEWHERE_M: f64 = 5.0;
-/// How many tasks of others a worker may be going to help with, oldest first.
+/// How many tasks of other workers a worker may be going to help with, oldest first.
 const OTHERS: usize = 3;
 impl HumanState {
-    /// Takes what was seen in this step into what is believed of every worker.
+    /// Updates what is believed of every worker with what was seen in this step.
     pub(crate) fn infer(&mut self, floor: Floor<'_>, now: Time) {
         let method = match floor.settings.policy {
             HumanAwarePolicy::Nhir | HumanAwarePolicy::Shir => return,
@@ -110,8 +109,9 @@ impl HumanState {
         intention.observe(seen.seen, seen.at, seen.heading, &mind.distances);
     }
 
-    /// The goals that a worker may have, with their weights: the own task first. As published, the corners of the hall
-    /// and the end of the path, none before another: five, which is as many as chapter 3 tells apart well.
+    /// The goals that a worker may have, with their weights: the worker's own task first. As published, the corners of
+    /// the hall and the end of the path, all with the same weight: five, which is as many as chapter 3 tells apart
+    /// well.
     fn goals_of(&self, floor: Floor<'_>, worker: WorkerId, method: Method) -> BTreeMap<GoalId, f64> {
         let as_published = method != Method::Detour;
         let fixed = self.intents.fixed.iter().filter(|g| !as_published || g.0 < DOORS);
@@ -140,7 +140,7 @@ impl HumanState {
         }
         let mind = &self.intents;
         let Some(belief) = mind.belief(worker) else { return self.elsewhere(place, 1.0) };
-        // Who is undecided is on the way to one of several goals: by as much to each as it is probable.
+        // An undecided worker is on the way to one of several goals: to each in proportion to its probability.
         let known: f64 = belief.goals.iter().map(|g| g.1).sum();
         let shared = if known > NEGLIGIBLE { belief.undecided / known } else { 0.0 };
         let likely =
@@ -169,8 +169,8 @@ impl HumanState {
 }
 
 impl Floor<'_> {
-    /// The oldest assignments, and no more of one worker than another may help with. For every worker, the oldest of
-    /// all the others' are among them.
+    /// The oldest assignments, and of each worker no more than another may help with. For every worker, they include
+    /// the oldest of all other workers' assignments.
     fn early_assignments(&self) -> Vec<(AssignmentId, WorkerId)> {
         let index = &self.ledger.index();
         let own = |worker| index.assignments_of(worker).take(OTHERS).map(move |id| (id, worker));

@@ -1,4 +1,4 @@
-//! What is kept in mind about intentions: goals with the distances to them, and what is believed of each worker.
+//! What is remembered about intents: goals with the distances to them, and what is believed of each worker.
 //!
 //! Main type: [`Intents`]. Goals are the workers' tasks, the doors, and the corners of the hall, which stand for
 //! everything else (Petković 2021, section 4.3.2). Refuses: to look at anything that is seen.
@@ -13,11 +13,11 @@ use giveway_people::human::{Belief, Distances, IntentEpisode, Intention, Method}
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Numbers of goals: corners first, doors from here on, places of tasks from there on.
+/// Numbers of goals: corners first, doors from `DOORS` on, places of tasks from `PLACES` on.
 pub(super) const DOORS: u64 = 4;
 pub(super) const PLACES: u64 = 1000;
 
-/// Everything about intentions.
+/// All that is remembered about intents.
 #[derive(Clone, Debug)]
 pub struct Intents {
     pub distances: Distances,
@@ -60,7 +60,7 @@ impl Intents {
         self.intentions.get(&worker).map(|(i, _)| i.belief())
     }
 
-    /// What a worker has most probably been up to, and since when; the oldest first.
+    /// What a worker has most probably been doing, and since when; the oldest first.
     pub fn episodes(&self, worker: WorkerId) -> Vec<IntentEpisode> {
         self.intentions.get(&worker).map(|(i, _)| i.episodes()).unwrap_or_default()
     }
@@ -71,7 +71,7 @@ impl Intents {
     }
 }
 
-/// The node at which a goal is that is the place of a task.
+/// The node of a goal that is the place of a task.
 pub(crate) fn task_place(goal: GoalId) -> Option<NodeId> {
     goal.0.checked_sub(PLACES).map(|n| NodeId::at(n as usize))
 }

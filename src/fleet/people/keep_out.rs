@@ -1,6 +1,6 @@
-//! Workers and areas that are closed to people: the way leads round, and who is inside is led out.
+//! Workers and areas that are closed to people: ways lead round the areas, and workers inside are led out.
 //!
-//! Refuses: to close areas, and to move a worker, who may walk in all the same and is an alarm then.
+//! Refuses: to close areas, and to move a worker, who may walk in all the same, which raises an alarm.
 
 use crate::people::routing::REDIRECT;
 use crate::people::state::{HumanState, WalkMode};
@@ -11,20 +11,20 @@ use giveway_floor::geometry::Point;
 use giveway_floor::id::{ClosureId, WorkerId};
 use giveway_floor::time::{Span, Time};
 
-/// A place outside of a closed area is looked for so far away on foot at most, metres.
+/// How far away on foot a place outside a closed area is searched for at most, metres.
 const OUT_M: f64 = 80.0;
-/// Somebody who is still inside so long after an area was closed is an alarm: whoever was at work there needs a while
+/// A person who is still inside this long after an area was closed raises an alarm: people at work there need a while
 /// to come out.
 pub(crate) const COMES_OUT: Span = Span::from_secs(30);
 
 impl HumanState {
-    /// What is closed to people now and later.
+    /// Updates what is closed to people, now and later.
     pub(super) fn note_closures(&mut self, floor: Floor<'_>) {
         let changes = floor.ledger.index().closure_changes();
         self.barred.update(&floor.ledger.closures, changes, floor.warehouse());
     }
 
-    /// Leads a worker out of a closed area, and round those that the way leads into.
+    /// Leads a worker out of a closed area, and round closed areas that the way leads into.
     pub(super) fn mind_closures(
         &mut self,
         floor: Floor<'_>,
@@ -52,7 +52,7 @@ impl HumanState {
         }
     }
 
-    /// The shortest way out of an area that is closed.
+    /// Leads a worker the shortest way out of a closed area.
     fn lead_out(
         &mut self,
         floor: Floor<'_>,

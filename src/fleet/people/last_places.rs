@@ -1,7 +1,7 @@
-//! Workers who are not seen: noted while they are on the floor, so that a restart knows of them, and those who take
-//! their headsets off.
+//! Workers who are not seen: they are noted while they are on the floor, so that a restart knows of them; and workers
+//! who take their headsets off.
 //!
-//! Refuses: to take anybody off the floor whom nobody saw leave, or vouches for.
+//! Refuses: to take a worker off the floor whom no one saw leave, or vouches for.
 
 use crate::people::state::HumanState;
 use crate::state::fact::WorkerFact;
@@ -15,10 +15,10 @@ use giveway_floor::warehouse::NodeKind;
 use giveway_people::human::{LastKnown, Presence};
 use std::collections::BTreeMap;
 
-/// A worker who is seen is noted again after so many metres, one who is lost after so few: after a restart the worker
-/// is looked for within eight.
+/// A worker who is seen is noted again after this many metres, a lost worker after the second figure: after a restart
+/// the worker is looked for within eight metres.
 const NOTED_M: (f64, f64) = (5.0, 0.5);
-/// Who takes the headset off within this of a door has left the floor, metres.
+/// A worker who takes the headset off within this of a door has left the floor, metres.
 const DOOR_M: f64 = 3.0;
 
 impl From<&LastPlace> for LastKnown {
@@ -29,12 +29,12 @@ impl From<&LastPlace> for LastKnown {
 }
 
 impl HumanState {
-    /// Takes over from the ledger who was on the floor. Nobody has been seen since.
+    /// Takes over from the ledger which workers were on the floor. None has been seen since.
     pub(crate) fn remember(&mut self, on_floor: &BTreeMap<WorkerId, LastPlace>) {
         on_floor.iter().for_each(|(worker, place)| self.person(*worker).track.remember(place.into()));
     }
 
-    /// Workers on the floor of whom nobody knows where they are.
+    /// Workers on the floor whose place is not known.
     pub(crate) fn lost(&self, now: Time) -> Vec<WorkerId> {
         let present = self.present(now).into_iter();
         present.filter(|(_, place)| place.presence == Presence::Lost).map(|(worker, _)| worker).collect()
@@ -57,8 +57,8 @@ impl HumanState {
         }
     }
 
-    /// A worker has taken the headset off. At a door that is leaving; anywhere else the worker is still there, and will
-    /// not be seen.
+    /// Handles a worker who has taken the headset off: at a door, the worker has left; anywhere else, the worker is
+    /// still there, and will not be seen.
     pub(super) fn sign_off(&mut self, writer: &mut Writer, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
         if is_at_door(writer.floor(), place.at) && place.presence != Presence::Lost {

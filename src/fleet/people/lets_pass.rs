@@ -1,13 +1,13 @@
 //! People who let a robot pass: the last resort for a robot that people have kept in one place for long, though each of
 //! them walks on.
 //!
-//! Where people come and go, no chain of waiting stands still, and a robot can wait without end all the same. So one
-//! that has got nowhere for [`STARVES`] is first: those in its way are led to a place aside, or told to stand where
-//! they are if that is aside already, until it has passed or [`AT_MOST`] is over. A person who stands as told is a
-//! standing obstacle, which a slow robot passes at the distance at which it can still stop. First is also a robot that
-//! keeps a person in one spot and itself waits for other people: who is shut in waits for all of them. A person whose
-//! headset knows its place badly closes more floor than the person does, and is asked to touch marks first. Refuses: to
-//! keep a person for longer, and to ask the same person again within [`AGAIN`].
+//! Where people come and go, no chain of waiting stands still, and a robot can wait without end all the same. So a
+//! robot that has made no progress for [`STARVES`] goes first: people in its way are led to a place aside, or told to
+//! stand where they are if that is aside already, until the robot has passed or [`AT_MOST`] is over. A person who
+//! stands as told is a standing obstacle, which a slow robot passes at the distance at which it can still stop. A robot
+//! that keeps a person in one spot and itself waits for other people goes first, too: a person who is shut in waits for
+//! all of them. A person whose headset is unsure of its place closes more floor than the person does, and is asked to
+//! touch marks first. Refuses: to keep a person for longer, and to ask the same person again within [`AGAIN`].
 
 use crate::people::blocked::WaysPast;
 use crate::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
@@ -22,39 +22,39 @@ use giveway_people::aware::HumanAwarePolicy;
 use giveway_people::human::{Presence, SourceId, Whereabouts};
 use std::collections::BTreeSet;
 
-/// A robot that has come no farther for this long because of people is first.
+/// A robot that people have kept from making progress for this long goes first.
 const STARVES: Span = Span::from_secs(90);
-/// So is one that has waited for people for this long since it acted last, wherever: it may be driving to and fro.
+/// A robot that has waited for people for this long since it last acted goes first, wherever: it may drive to and fro.
 const STARVES_ON_ITS_WAY: Span = Span::from_secs(180);
-/// So is one for which people have stood aside within [`LATELY`], after this: it is still in the same crowd.
+/// A robot for which people have stood aside within [`LATELY`] goes first after this: it is still in the same crowd.
 const STARVES_AGAIN: Span = Span::from_secs(20);
 const LATELY: Span = Span::from_secs(300);
 /// A robot for which a worker waits inherits the worker's wait: if robots have kept the worker in one spot for this
-/// long, those in the robot's way stand aside.
+/// long, people in the robot's way stand aside.
 const SHUT_IN: Span = Span::from_secs(18);
-/// Nobody stands aside for longer than this.
+/// No person stands aside for longer than this.
 const AT_MOST: Span = Span::from_secs(30);
-/// The fleet keeps nobody in one spot for longer than this to let robots pass, whatever else it kept the person for.
+/// The fleet keeps no person in one spot for longer than this to let robots pass, whatever else it kept the person for.
 const KEEPS_AT_MOST: Span = Span::from_secs(40);
-/// A shorter time lets no robot pass.
+/// Standing aside for less than this lets no robot pass.
 const AT_LEAST: Span = Span::from_secs(10);
-/// Nobody is asked to let a robot pass again within this.
+/// No person is asked to let a robot pass again within this.
 const AGAIN: Span = Span::from_secs(60);
-/// So many nodes ahead of a robot are what it is about to drive.
+/// How many nodes ahead of a robot are what it is about to drive.
 const AHEAD: usize = 5;
-/// A person aside is so much farther from the robot's way than where the robot would stop, metres.
+/// How much farther from the robot's way a person aside is than the distance at which the robot would stop, metres.
 const ROOM_M: f64 = 0.4;
-/// A headset that knows its place worse than this is to touch marks, one standard deviation, metres.
+/// A person whose headset knows its place worse than this is to touch marks; one standard deviation, metres.
 const UNSURE_M: f64 = 0.4;
-/// Nobody is asked for marks for a robot again within this.
+/// No person is asked for marks for a robot again within this.
 const MARKS_AGAIN: Span = Span::from_secs(300);
-/// A person who waits on its way and is not seen for this long beyond the end of that does not wait any more.
+/// A person who waits on the way and is not seen for this long after the end of the wait does not wait any more.
 const UNSEEN: Span = Span::from_secs(1);
-/// Where a person has stood for this long, that person stands.
+/// A person who has stood for this long stands still.
 const STANDS_STILL: Span = Span::from_secs(1);
 
 impl HumanState {
-    /// Lets people go on who have let a robot pass, and asks those in the way of robots that wait for long.
+    /// Lets people who have let a robot pass go on, and asks people in the way of robots that have waited for long.
     pub(super) fn let_robots_pass(&mut self, floor: Floor<'_>, yielding: &YieldingState, now: Time) {
         if floor.settings.policy != HumanAwarePolicy::Giveway || self.people.is_empty() {
             return;
@@ -69,7 +69,7 @@ impl HumanState {
                 continue;
             }
             if lets_pass.stage == LetsPassStage::Waits {
-                // One who is not seen any more is not told to go on either.
+                // A worker who is not seen any more is not told to go on either.
                 if now >= lets_pass.until + UNSEEN {
                     self.people[worker].lets_pass = None;
                 }
@@ -92,7 +92,8 @@ impl HumanState {
         }
     }
 
-    /// Asks those in the way of a robot to let it pass, also the worker for whom it waits; not whom it shuts in.
+    /// Asks the people in the way of a robot to let it pass, also the worker for whom it waits, but not one whom it
+    /// shuts in.
     fn clear_the_way(
         &mut self,
         floor: Floor<'_>,
@@ -129,7 +130,7 @@ impl HumanState {
         }
     }
 
-    /// The robot has passed, or it is long enough: the person goes on with the task.
+    /// Has a person go on with the task: the robot has passed, or the time is over.
     fn go_on(&mut self, floor: Floor<'_>, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let place = self.whereabouts(worker, now);
         let person = &mut self.people[worker];
@@ -156,7 +157,7 @@ impl HumanState {
         };
         let person = &self.people[worker];
         let lately = person.let_pass_at.is_some_and(|at| now - at < AGAIN);
-        // One who stands where robots wait and has no way to go is asked to make room (`routing.rs`).
+        // A worker who stands where robots wait and has no way to go is asked to make room (`routing.rs`).
         let has_a_way = person.plan.is_some() && !matches!(person.mode, WalkMode::Stopped { .. });
         let to_touch_marks = self.has_to_touch_marks(worker, &place, now);
         let is_free = match floor.waits.worker(worker).edge {
@@ -205,7 +206,7 @@ impl HumanState {
         self.passed.insert(robot, now);
     }
 
-    /// Whether a person's headset knows its place so badly that marks are to be touched first.
+    /// Whether a person's headset is so unsure of its place that marks are to be touched first.
     fn has_to_touch_marks(&self, worker: WorkerId, place: &Whereabouts, now: Time) -> bool {
         let person = &self.people[worker];
         let asked = person.marks_asked.is_some_and(|at| now - at < MARKS_AGAIN);
@@ -213,7 +214,7 @@ impl HumanState {
         place.sigma_m > UNSURE_M && by_headset && !asked
     }
 
-    /// Follows a person who lets a robot pass: stands at the end of the way aside.
+    /// Follows a person who lets a robot pass; at the end of the way aside, the person stands.
     pub(super) fn watch_aside(&mut self, worker: WorkerId, place: &Whereabouts) {
         let person = &mut self.people[worker];
         let arrived = match &mut person.plan {
@@ -246,7 +247,7 @@ impl HumanState {
 }
 
 impl Floor<'_> {
-    /// Whether a person need not let a robot pass any more.
+    /// Whether a person no longer has to let a robot pass.
     fn has_passed(&self, lets_pass: &LetsPass, place: Option<&Whereabouts>, now: Time) -> bool {
         let robot = lets_pass.robot;
         let is_far = |w: &Whereabouts| {

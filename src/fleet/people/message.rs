@@ -1,8 +1,8 @@
-//! Calm guidance: a message stands for a while unless it becomes more severe, and nobody stands for a robot that stands
-//! for them.
+//! Calm guidance: a message stays for a while unless a more severe one replaces it, and no worker stands for long for a
+//! robot that waits for that worker.
 //!
-//! Main type: [`Message`]. It says when another one replaces it ([`replaces`]). Refuses: to hold back anything more
-//! severe than what is said: stops leave at once.
+//! Main type: [`Message`]. It says when another message replaces it ([`replaces`]). Refuses: to hold back anything more
+//! severe than the present message: stops leave at once.
 
 use crate::state::floor::Floor;
 use crate::state::wait_graph::{Edge, Party};
@@ -10,15 +10,15 @@ use crate::state::worker::{GuidanceReason, GuidanceState};
 use giveway_floor::id::{RobotId, WorkerId};
 use giveway_floor::time::{Span, Time};
 
-/// A message stands for so long, unless a more severe one replaces it: people do not read faster, and what flickers
-/// is not believed.
+/// How long a message stays, unless a more severe one replaces it: people do not read faster, and do not believe what
+/// flickers.
 pub const MESSAGE: Span = Span::from_secs(2);
 
-/// A worker stands for no longer than this for a robot that waits for that worker: then the worker goes. Robots that go
-/// first set off within it once the worker stands.
+/// How long at most a worker stands for a robot that waits for that worker: then the worker goes. Robots that go first
+/// set off within this time once the worker stands.
 pub const STANDOFF: Span = Span::from_secs(4);
 
-/// A standoff that is broken for less than this goes on: another robot comes by, or the one that waits moves a little.
+/// A standoff that is broken for less than this goes on: another robot comes by, or the waiting robot moves a little.
 const BREAK: Span = Span::from_secs(1);
 
 /// What a worker is told, besides the path.
@@ -27,20 +27,20 @@ pub type Words = (GuidanceState, Option<GuidanceReason>);
 /// What a worker is told and since when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// What.
+    /// What the worker is told.
     pub words: Words,
-    /// Since when the state has been this one; the reason may have changed.
+    /// Since when the state has been the present one; the reason may have changed.
     pub since: Time,
     standoff: Option<Standoff>,
 }
 
-/// A worker is told to stand for a robot that waits for that worker.
+/// A standoff: a worker is told to stand for a robot that waits for that worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Standoff {
     since: Time,
-    /// When it was so last.
+    /// When the standoff last held.
     last: Time,
-    /// Whether it is so now, and not only was a moment ago.
+    /// Whether the standoff holds now, and not only a moment ago.
     lasts: bool,
 }
 
@@ -58,8 +58,8 @@ impl Standoff {
 }
 
 impl Message {
-    /// What a worker is told now who is to be told this. What is said decides whether it is a standoff: words that
-    /// would end one may come and go while the message that they would replace still stands.
+    /// The message for a worker who is to be told these words. What is actually said decides whether there is a
+    /// standoff: words that would end it may come and go while the message that they would replace stays.
     pub fn next(
         before: Option<Message>,
         words: Words,
@@ -67,7 +67,7 @@ impl Message {
         now: Time,
     ) -> Message {
         let (words, since) = match before {
-            // Why somebody is told to stand is always what is so now.
+            // The reason that is given is always the present one.
             Some(m) if m.words.0 == words.0 => (words, m.since),
             Some(m) if !replaces(words, m.words) && now - m.since < MESSAGE => (m.words, m.since),
             _ => (words, now),
@@ -76,7 +76,7 @@ impl Message {
         Message { words, since, standoff }
     }
 
-    /// Until when the message stands at least, if it tells the worker to wait for a robot that crosses.
+    /// Until when at least the message stays, if it tells the worker to wait for a robot that crosses.
     pub fn waits_on(self) -> Option<Time> {
         matches!(self.words.1, Some(GuidanceReason::RobotCrosses(_))).then_some(self.since + MESSAGE)
     }
@@ -86,22 +86,22 @@ impl Message {
         self.standoff.is_some_and(|s| s.lasts && now - s.since >= STANDOFF)
     }
 
-    /// Whether the worker goes before this robot, which waits for the worker: it is time to, or was, and that has been
-    /// said.
+    /// Whether the worker goes before this robot, which waits for the worker: the standoff has lasted long enough, or
+    /// the worker has been told to go.
     pub fn goes_before(&self, robot: RobotId, now: Time) -> bool {
         let told = (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(robot)));
         self.words == told || self.is_standoff(now)
     }
 }
 
-/// Whether words replace others at once: they are more severe, or the worker has done what those asked for, and has to
-/// hear what comes next.
+/// Whether words replace others at once: they are more severe, or the worker has done what the others asked for, and
+/// has to be told what comes next.
 pub fn replaces(words: Words, before: Words) -> bool {
     let asked = matches!(before.1, Some(GuidanceReason::PlaceUnsure(_) | GuidanceReason::NotTracked));
     asked || severity(words.0) > severity(before.0)
 }
 
-/// How much depends on it that the worker does as told.
+/// How much depends on the worker doing as told.
 fn severity(state: GuidanceState) -> u8 {
     match state {
         GuidanceState::Idle => 0,
@@ -112,9 +112,9 @@ fn severity(state: GuidanceState) -> u8 {
 }
 
 impl GuidanceReason {
-    /// The robot for which a worker is told to stand, if the worker goes where the robot waits for the worker. A robot
-    /// that has starved goes first and has half a minute for that (`lets_pass.rs`), and whoever is to touch marks has
-    /// something to do that ends it.
+    /// The robot for which a worker is told to stand, if the worker goes first should that robot wait for the worker. A
+    /// robot that has starved goes first itself and has half a minute for that (`lets_pass.rs`), and a worker who is to
+    /// touch marks can end the wait by that.
     pub fn stands_for(self) -> Option<RobotId> {
         match self {
             GuidanceReason::RobotInTheWay(r)
@@ -126,7 +126,7 @@ impl GuidanceReason {
 }
 
 impl Floor<'_> {
-    /// The robot for which a worker is told to stand, if it waits for that worker itself.
+    /// The robot for which a worker is told to stand, if that robot itself waits for the worker.
     pub(crate) fn stands_against(&self, worker: WorkerId, words: Words) -> Option<RobotId> {
         let robot = words.1.filter(|_| words.0 == GuidanceState::Stop)?.stands_for()?;
         (self.waits.robot(robot).edge == Edge::On(Party::Worker(worker))).then_some(robot)

@@ -1,4 +1,4 @@
-//! Evaluates people: where each worker is, whether the worker left the path, where to, what the worker is told.
+//! Evaluates people: where each worker is, whether the worker left the path, where the worker is going, what to tell.
 //!
 //! Main types: [`state::HumanState`], [`report::PeopleReport`], [`intents::Intents`]. Refuses: to plan for robots.
 

@@ -1,7 +1,7 @@
-//! Assignments that nobody has yet: the nearest worker who is free gets the oldest one.
+//! Assignments without a worker: the nearest free worker gets the oldest one.
 //!
-//! Main function: [`HumanState::hand_out`]. Refuses: to give an assignment to somebody whose place is not known, and to
-//! take one back from a worker because another one has come nearer.
+//! Main function: [`HumanState::hand_out`]. Refuses: to give an assignment to a worker whose place is not known, and to
+//! take one back from a worker because another has come nearer.
 
 use crate::people::state::HumanState;
 use crate::state::fact::AssignmentFact;
@@ -12,12 +12,12 @@ use giveway_floor::id::WorkerId;
 use giveway_floor::time::Time;
 use giveway_people::human::Presence;
 
-/// So many ways are measured in a step at most; the rest is looked at in the next one.
+/// How many ways are measured in a step at most; the rest is left to the next step.
 const WAYS_MAX: usize = 64;
 
 impl HumanState {
-    /// Gives waiting assignments, the oldest first, to those who have the shortest way to them. Of two who have the
-    /// same way, the one with the lower number gets it.
+    /// Gives waiting assignments, the oldest first, to the workers with the shortest ways to them. If two ways are
+    /// equal, the worker with the lower number gets the assignment.
     pub(super) fn hand_out(&self, writer: &mut Writer, now: Time) {
         let waiting: Vec<_> = writer.ledger().index().unassigned().take(WAYS_MAX).collect();
         if waiting.is_empty() || writer.ledger().evacuation.is_some() {
@@ -34,14 +34,15 @@ impl HumanState {
             let goal = writer.warehouse().nodes[place].at;
             let ways_there =
                 free.iter().enumerate().filter_map(|(i, (_, at))| Some((self.far(*at, goal)?, i)));
-            // Workers are in order, and the first of equals is taken.
+            // Workers are in order, and the first of equal ways is taken.
             let Some((_, nearest)) = ways_there.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
             let (worker, _) = free.remove(nearest);
             writer.record(AssignmentFact::Given { assignment, worker, at: now });
         }
     }
 
-    /// How far it is on foot, metres. Who seems to be where nobody can stand starts from the nearest walkway.
+    /// The length of the way on foot, metres. A worker who seems to be where no one can stand starts from the nearest
+    /// walkway.
     fn far(&self, at: Point, goal: Point) -> Option<f64> {
         let way = self.walkways.path(at, goal, &self.walkways.no_edges()).map(|way| way.length_m);
         let length = |points: Vec<Point>| points.windows(2).map(|p| (p[1] - p[0]).norm()).sum();

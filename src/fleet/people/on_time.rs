@@ -1,10 +1,10 @@
 //! Workers on the timelines: a worker's way is planned between what robots are granted, as routes are planned between
 //! reservations (Petković 2021, section 4.2.3, plans for people and robots on the same timelines).
 //!
-//! What robots were granted they drive; what they were not, they leave to the worker, who has precedence. So only what
-//! is granted takes walkways here, besides what a robot needs to come clear that waits for the worker, if that costs
-//! the worker less than waiting costs robots ([`Settings::worker_price`](crate::state::settings::Settings)).
-//! The worker waits a few seconds for a robot to pass, or takes another aisle, whichever is there earlier. Refuses: to
+//! Robots drive what they were granted; what they were not granted, they leave to the worker, who has precedence. So
+//! only what is granted takes walkways here, and what a robot that waits for the worker needs to come clear, if that
+//! costs the worker less than waiting costs robots ([`Settings::worker_price`](crate::state::settings::Settings)). The
+//! worker waits a few seconds for a robot to pass, or takes another aisle, whichever gets there earlier. Refuses: to
 //! keep a worker waiting for longer than [`WAITS_AT_MOST`] in a row.
 
 use crate::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
@@ -18,42 +18,42 @@ use giveway_floor::warehouse::walkway::{EdgeSet, Occupied, TimedPath};
 use giveway_people::aware::{BODY_M, HumanAwarePolicy, SLOW_MPS};
 use giveway_people::human::{Presence, Whereabouts};
 
-/// How fast workers are taken to walk to their tasks, metres per second.
+/// How fast workers are assumed to walk to their tasks, metres per second.
 const WALKS_MPS: f64 = 1.2;
-/// What robots farther from a worker do changes before the worker is there, metres.
+/// Robots farther from a worker than this do not count, metres: what they do changes before the worker is there.
 const FAR_M: f64 = 12.0;
-/// Labels that one search may look at.
+/// How many labels one search may look at.
 const LABELS: usize = 4000;
-/// A way is compared with what robots are granted this often.
+/// How often a way is compared with what robots are granted.
 const AGAIN: Span = Span::from_millis(400);
-/// Robots are a little early and late, seconds on either side of a window.
+/// How early and how late robots may be, on either side of a window.
 const ABOUT: Span = Span::from_millis(300);
 /// Room between a robot and a person who walks past, metres.
 const BESIDE_M: f64 = 0.05;
-/// Another way is shown only if it is there so much earlier: who is led to and fro gets nowhere.
+/// Another way is shown only if it gets there this much earlier: a worker who is led to and fro gets nowhere.
 const BETTER: Span = Span::from_secs(3);
-/// A worker waits where this far ahead a robot takes the way, metres …
+/// A worker waits if a robot takes the way no farther ahead than this, metres …
 const AHEAD_M: f64 = 1.5;
-/// … for longer than this: less is no more than walking slowly.
+/// … for longer than this: a shorter wait is no more than walking slowly.
 const LEAST: Span = Span::from_millis(800);
-/// Nobody waits for longer in a row …
+/// How long a worker waits in a row at most.
 const WAITS_AT_MOST: Span = Span::from_secs(12);
-/// … nor where robots have kept the worker in one spot for so long, whatever for …
+/// A worker does not wait after robots have kept the worker in one spot for this long, whatever for.
 const IN_ONE_SPOT: Span = Span::from_secs(25);
-/// … nor again within this.
+/// A worker who has waited for as long as a worker may does not wait again within this.
 const GOES_FIRST: Span = Span::from_secs(10);
-/// A robot that waits for a worker goes first only if it is clear of the worker's way after so many metres …
+/// A robot that waits for a worker goes first only if it is clear of the worker's way after this distance, metres.
 const CLEAR_M: f64 = 5.0;
-/// … of the next part of that way, metres.
+/// How long the part of the worker's way is that the robot has to be clear of, metres.
 const WAY_M: f64 = 6.0;
-/// From a worker being told to stand to a robot that waited setting off.
+/// Time from when a worker is told to stand until a robot that waited sets off.
 const SETS_OFF: Span = Span::from_millis(2500);
-/// A worker for whom a robot waits is taken to keep it waiting for no longer than this.
+/// How long at most a worker is taken to keep a robot waiting.
 const KEPT_AT_MOST: Span = Span::from_secs(30);
 
 impl HumanState {
-    /// The earliest way to a place between what robots are granted, and the closure round which it leads: none, since
-    /// ways round closures are found without times.
+    /// The earliest way to a place between what robots are granted. It never comes with a closure that it leads round,
+    /// since ways round closures are found without times.
     pub(super) fn route_on_time(
         &self,
         floor: Floor<'_>,
@@ -71,8 +71,8 @@ impl HumanState {
         Some((way.points, None))
     }
 
-    /// Has a worker wait for whom waiting a moment is the earliest way, or shows another way that is there earlier.
-    /// Whether the worker waits.
+    /// Has a worker wait if waiting a moment is the earliest way, or shows another way that gets there earlier. Returns
+    /// whether the worker waits.
     pub(super) fn keep_on_time(
         &mut self,
         floor: Floor<'_>,
@@ -118,7 +118,8 @@ impl HumanState {
         self.wait_for(floor, worker, first_wait, now)
     }
 
-    /// Has a worker wait for a robot until then, if for any and not for too long already. Whether it does.
+    /// Has a worker wait for a robot, if there is one and the worker has not waited too long already. Returns whether
+    /// it does.
     fn wait_for(
         &mut self,
         floor: Floor<'_>,
@@ -145,7 +146,7 @@ impl HumanState {
         true
     }
 
-    /// When robots near a worker take which points of the walkways, as far as they were granted it.
+    /// Which points of the walkways robots near a worker take, and when, as far as they were granted it.
     fn occupied(&self, floor: Floor<'_>, worker: WorkerId, at: Point, now: Time) -> Occupied {
         let mut occupied = Occupied::default();
         for robot in floor.ledger.present().filter(|r| (floor.place_of(*r) - at).norm() <= FAR_M) {
@@ -162,8 +163,8 @@ impl HumanState {
         occupied
     }
 
-    /// The way of a robot that waits for a worker and goes first, and until when it takes it: it is soon clear of the
-    /// worker's way, does not come near the worker, and waiting costs the worker less than it costs the robots.
+    /// The way of a robot that waits for a worker and goes first, and until when it takes that way: it is soon clear of
+    /// the worker's way, does not come near the worker, and waiting costs the worker less than it costs the robots.
     fn goes_first(
         &self,
         floor: Floor<'_>,
@@ -182,7 +183,7 @@ impl HumanState {
             return None;
         }
         let takes = SETS_OFF + Span::from_secs_f64(length_m / SLOW_MPS);
-        // One that was told to stand waits until the worker has walked past.
+        // A robot that was told to stand waits until the worker has walked past.
         let passes = Span::from_secs_f64(WAY_M / WALKS_MPS);
         let kept = floor.waits_until(robot, now).map_or(passes, |t| (t - now).clamp(passes, KEPT_AT_MOST));
         let behind = Edge::On(Party::Robot(robot));
@@ -191,8 +192,8 @@ impl HumanState {
         (costs_worker < kept.as_secs_f64() * robots as f64).then_some((way, now + takes))
     }
 
-    /// The way of a robot until it is clear of the next part of a worker's way, and its length in metres; nothing
-    /// where it is not on it, or not clear of it soon.
+    /// The way of a robot until it is clear of the next part of a worker's way, and its length in metres; nothing if
+    /// the robot is not on that part, or not clear of it soon.
     fn until_clear(
         &self,
         floor: Floor<'_>,
@@ -229,7 +230,7 @@ impl HumanState {
 }
 
 impl Floor<'_> {
-    /// Where a robot is and what it was granted, with the times at which it takes that; later by as much as it is late.
+    /// Where a robot is and what it was granted, with the times at which it takes these places, later by its delay.
     fn takes(self, robot: RobotId, now: Time) -> impl Iterator<Item = (Point, Window)> {
         let chain = self.ledger.chain(robot);
         let record = &self.ledger.robots[robot];
@@ -252,7 +253,7 @@ impl Floor<'_> {
     }
 }
 
-/// The robot for which one waits on the first metres of a way, and until when.
+/// The robot for which the worker waits on the first metres of a way, and until when.
 fn first_wait(way: &TimedPath, now: Time) -> Option<(RobotId, Time)> {
     let mut walked = 0.0;
     for i in 1..way.points.len() {

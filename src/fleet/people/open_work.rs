@@ -1,7 +1,7 @@
-//! Which assignment is next where some places are closed to people: who has work in a closed area goes on with other
-//! work, or waits outside.
+//! Which assignment is next if some places are closed to people: a worker who has work in a closed area goes on with
+//! other work, or waits outside.
 //!
-//! Refuses: to lead anybody.
+//! Refuses: to lead workers.
 
 use crate::people::state::HumanState;
 use crate::state::fact::AssignmentFact;
@@ -13,7 +13,8 @@ use giveway_floor::id::{AssignmentId, ClosureId, WorkerId};
 use giveway_floor::time::{Span, Time};
 
 impl HumanState {
-    /// The assignment that a worker is at or is to begin, of those whose place is not closed before they would be done.
+    /// The assignment on which a worker is, or the next one, if its place does not close before the worker would be
+    /// done.
     pub(super) fn next_open_assignment(
         &self,
         floor: Floor<'_>,

@@ -1,4 +1,4 @@
-//! What evaluating people gives the step: places, guidance, and conditions for robots.
+//! What the evaluation of people gives the step: places, guidance, and conditions for robots.
 //!
 //! Main type: [`PeopleReport`]. Refuses: to act on it.
 
@@ -13,12 +13,12 @@ use giveway_floor::time::Time;
 use giveway_people::human::Whereabouts;
 use std::collections::BTreeSet;
 
-/// People, as the rest of the step sees them.
+/// What the rest of the step gets to know about people.
 #[derive(Debug)]
 pub struct PeopleReport {
     /// Where each worker is, if on the floor and among robots.
     pub places: IdVec<WorkerId, Option<Whereabouts>>,
-    /// Where else they may be.
+    /// Where else workers may be.
     pub others: Vec<(WorkerId, Whereabouts)>,
     /// Workers who stand to let a robot pass.
     pub let_pass: BTreeSet<WorkerId>,
@@ -44,7 +44,7 @@ impl HumanState {
         PeopleReport { places, others: self.others(now), let_pass: self.standing_aside(now), guidance }
     }
 
-    /// What workers mean for the search and for grants, for each kind of robots, as of the last evaluation.
+    /// The conditions that workers cause for the search and for grants, for each robot kind, as of the last evaluation.
     pub(crate) fn conditions(&self) -> &KindConditions {
         &self.conditions
     }

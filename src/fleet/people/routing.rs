@@ -21,34 +21,34 @@ use giveway_people::human::Whereabouts;
 pub(crate) const REDIRECT: Span = Span::from_secs(1);
 /// A robot that stands on a worker's path for this long is walked round.
 const BLOCKED: Span = Span::from_secs(3);
-/// A worker who seems to be off all walkways is led back from so far at most, metres.
+/// How far off all walkways a worker may seem to be and still be led back, metres.
 const BESIDE_M: f64 = 6.0;
 /// How far a worker is sent out of the way at most, metres.
 const REFUGE_M: f64 = 15.0;
-/// A worker who stands is asked to make room when a robot that has nowhere else to go has waited for so long.
+/// A worker who stands is asked to make room when a robot that has nowhere else to go has waited for this long.
 const ASKED: Span = Span::from_secs(5);
-/// Racks and stations no farther from a worker are cut off by that worker, metres.
+/// A worker cuts off racks and stations no farther away than this, metres.
 const WANTED_M: f64 = 8.0;
-/// Places farther than this are looked for on middle lines alone, metres.
+/// Beyond this distance, places are searched for on middle lines alone, metres.
 const EDGE_M: f64 = 8.0;
-/// So many places are tried.
+/// How many places aside are tried.
 const PLACES: usize = 12;
-/// How far such a place is from what robots are about to drive, metres.
+/// How far a place aside is from what robots are about to drive, metres.
 const REFUGE_CLEAR_M: f64 = 2.5;
-/// A worker at such a place is led on only to one that is so much farther from there, metres.
+/// A worker at a place aside is led on only to a place this much farther from what robots are about to drive, metres.
 const FARTHER_M: f64 = 0.5;
-/// For so many robots a place is looked for that is out of the way of one of them alone.
+/// For how many robots, one by one, a place is searched for that is out of the way of that robot alone.
 const ALONE: usize = 4;
-/// No person is sent so near to a robot, metres beyond its side.
+/// No person is sent nearer to a robot than this, metres beyond its side.
 const BESIDE_ROBOT_M: f64 = 0.75;
-/// So many nodes ahead of a robot are what it is about to drive.
+/// How many nodes ahead of a robot are what it is about to drive.
 const REFUGE_AHEAD: usize = 6;
-/// A worker to whose place no way leads is not looked for one in every step: that takes several searches of the whole
-/// floor.
+/// How long after no way was found a worker's way is searched for again: not in every step, since that takes several
+/// searches of the whole floor.
 const LOOK_AGAIN: Span = Span::from_secs(1);
 
 impl HumanState {
-    /// Starts the next assignment, or drops the path of one that was cancelled.
+    /// Starts the next assignment, or drops the path of a cancelled one.
     pub(crate) fn take_up_work(
         &mut self,
         writer: &mut Writer,
@@ -125,7 +125,7 @@ impl HumanState {
         }
     }
 
-    /// The way of a worker who seems to be where nobody can stand: from the nearest walkway. The headset is wrong by a
+    /// The way of a worker who seems to be where no one can stand: from the nearest walkway. The headset is wrong by a
     /// few metres; told to stop there, its wearer would wait for ever.
     pub(super) fn way_from_beside(&self, at: Point, goal: Point) -> Option<Vec<Point>> {
         let (node, distance_m) = self.walkways.nearest(at)?;
@@ -135,7 +135,7 @@ impl HumanState {
         Some(std::iter::once(at).chain(way.points).collect())
     }
 
-    /// A robot that stands on the path and does not go away in time: the worker is led round it, or told to
+    /// If a robot stands on the path and does not go away in time, leads the worker round it, or tells the worker to
     /// wait.
     pub(crate) fn look_ahead(
         &mut self,
@@ -194,7 +194,7 @@ impl HumanState {
         person.mode = WalkMode::Redirected;
     }
 
-    /// A worker who stands and has no way to go, and for whom a robot waits that has nowhere else to go, is led to a
+    /// If a robot that has nowhere else to go waits for a worker who stands and has no way to go, leads the worker to a
     /// place aside.
     pub(crate) fn make_room(
         &mut self,
@@ -229,9 +229,9 @@ impl HumanState {
             .or_else(|| cuts_off().then_some(GuidanceReason::CutsOff))
     }
 
-    /// Where robots and a worker wait for one another and neither can pass: a way to the nearest place from which the
-    /// worker leaves to those robots what they are about to drive. If the worker is at such a place, only one that is
-    /// farther from it: a person who is led to and fro is in the way again each time.
+    /// If robots and a worker wait for one another and neither can pass: a way to the nearest place from which the
+    /// worker leaves to those robots what they are about to drive. If the worker is at such a place already, only a
+    /// place farther from the robots' ways counts: a person who is led to and fro is in the way again each time.
     fn refuge(&self, floor: Floor<'_>, worker: WorkerId, at: Point, cut: &EdgeSet) -> Option<Vec<Point>> {
         let place = |n: NodeId| floor.warehouse().nodes[n].at;
         let ahead = |r: &RobotId| floor.ledger.chain(*r).visits().take(REFUGE_AHEAD).map(|v| place(v.node));
@@ -240,7 +240,7 @@ impl HumanState {
         if robots.is_empty() {
             all.extend(floor.wanted_near(worker).into_iter().map(place));
         }
-        // Where nothing is clear of all their ways: out of that of one robot, the longest waiting first.
+        // If no place is clear of all their ways: one that is clear of the way of one robot, the longest waiting first.
         let ways = WaysPast::new(self, floor, at, cut);
         let clear = |wanted: &[Point]| self.place_aside(floor, wanted, at, REFUGE_CLEAR_M, &ways);
         let one = |r: &RobotId| clear(&ahead(r).collect::<Vec<_>>());
@@ -248,7 +248,7 @@ impl HumanState {
         clear(&all).or_else(|| (robots.len() > 1).then(alone).flatten())
     }
 
-    /// A way to the nearest place from which a worker leaves these places to robots: farther than `enough_m` from each.
+    /// A way to the nearest place from which a worker leaves these places to robots: over `enough_m` metres from each.
     pub(super) fn place_aside(
         &self,
         floor: Floor<'_>,
@@ -273,7 +273,7 @@ impl HumanState {
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let way_to = |p: Point| ways.to(p);
         let along = near.into_iter().take(PLACES).find_map(|(_, p)| way_to(p));
-        // Narrow floors have no such place on a middle line, but maybe one at the edge.
+        // Narrow floors have no such place on a middle line, but may have one at the edge.
         let at_the_edge = || {
             let places = walkways.standing_places(at, EDGE_M).into_iter();
             let fits = |p: &Point| (p - at).norm() > 1.0 && clear_m(*p) > enough_m && has_room(*p);
@@ -285,7 +285,7 @@ impl HumanState {
     /// A robot that stands where a worker would be within the next steps.
     fn robot_on_path(&self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts) -> Option<RobotId> {
         let plan = self.people[worker].plan.as_ref()?;
-        // A worker who is there has no way ahead that a robot beside could block.
+        // A worker at the end of the path has no way ahead that a robot beside it could block.
         if plan.is_there(place.at) {
             return None;
         }
@@ -314,7 +314,7 @@ impl HumanState {
         }
     }
 
-    /// Shows a worker who left the path a new one from where the worker is, now and then.
+    /// Shows a worker who left the path a new one from the worker's present place, now and then.
     pub(crate) fn show_the_way_back(
         &mut self,
         floor: Floor<'_>,
@@ -329,7 +329,7 @@ impl HumanState {
         }
     }
 
-    /// At the end of the path: at work, done, or on to the next.
+    /// Handles a worker at the end of the path: at work, done, or on to the next assignment.
     pub(crate) fn at_the_end(
         &mut self,
         writer: &mut Writer,
@@ -342,7 +342,7 @@ impl HumanState {
         let plan = person.plan.as_ref().expect("only who has a path is at its end");
         let (is_there, stay) = (plan.is_there(at), plan.stay);
         let Some(id) = plan.assignment else {
-            // A path that only led out of the way.
+            // The path only led out of the way.
             person.mode = WalkMode::Following;
             return self.route_on(writer.floor(), yielding, worker, at, now);
         };
@@ -360,7 +360,7 @@ impl HumanState {
 }
 
 impl Floor<'_> {
-    /// Nodes near a worker, as good as closed because of the worker, with a rack or a station that waiting jobs need.
+    /// Nodes near a worker that count as closed because of the worker, with a rack or a station that waiting jobs need.
     fn wanted_near(&self, worker: WorkerId) -> Vec<NodeId> {
         let Some(at) = self.restrictions.whereabouts(worker).map(|w| w.at) else { return Vec::new() };
         let index = self.ledger.index();

@@ -1,4 +1,4 @@
-//! What the fleet believes and keeps in mind about people, from step to step. Lost at a restart and seen again.
+//! What the fleet believes and remembers about people, from step to step. Lost at a restart and seen again.
 //!
 //! Main types: [`HumanState`], [`Person`], [`WalkMode`]. Refuses: to decide.
 
@@ -22,33 +22,33 @@ use std::sync::Arc;
 /// A worker this near to the end of the path is there, metres.
 const THERE_M: f64 = 0.6;
 
-/// A person who comes no farther than this from a spot paces up and down there, metres.
+/// A person who goes no farther than this from a spot is pacing up and down there, metres.
 const LINGERS_M: f64 = 4.0;
 
 /// A person slower than this stands, more or less, metres per second.
 pub(crate) const STROLL_MPS: f64 = 0.3;
 
-/// Somebody who presses a button at a station is there for so long.
+/// How long a person is taken to be at a station after pressing a button there.
 const USED: Span = Span::from_secs(120);
 
-/// How a worker's walk stands.
+/// The state of a worker's walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum WalkMode {
-    /// Nothing to do.
+    /// The worker has nothing to do.
     #[default]
     Idle,
-    /// On the path.
+    /// The worker is on the path.
     Following,
-    /// Off the path since then. A new path may be shown already.
+    /// The worker is off the path. A new path may be shown already.
     Deviating {
-        /// Since when.
+        /// When the worker left the path.
         since: Time,
     },
-    /// Shown a new path, because the old one is blocked.
+    /// The worker is shown a new path, because the old one is blocked.
     Redirected,
-    /// Told to stop, since then.
+    /// The worker is told to stop.
     Stopped {
-        /// Since when.
+        /// Since when the worker has been told to.
         since: Time,
     },
 }
@@ -56,24 +56,25 @@ pub enum WalkMode {
 /// The path that a worker was given.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// How far along it the worker is.
+    /// How far along the path the worker is.
     pub follower: Follower,
-    /// What it is for; nothing for a path that only leads out of the way.
+    /// The assignment that the path is for; nothing for a path that only leads out of the way.
     pub assignment: Option<AssignmentId>,
-    /// How long the worker stays at its end.
+    /// How long the worker stays at the end of the path.
     pub stay: Span,
-    /// When it was made.
+    /// When the path was made.
     pub made: Time,
-    /// Whether the worker knows of it. A path that is only expected of a worker binds robots, and is not shown.
+    /// Whether the worker knows of the path. A path that is only expected of a worker restricts robots, and is not
+    /// shown.
     pub is_shown: bool,
 }
 
-/// Which nodes a worker will take.
+/// The nodes that a worker will take.
 #[derive(Clone, Debug, Default)]
 pub struct NodesTaken {
-    /// For each set of regions, in the order of [`KindRegions::all`].
+    /// The nodes for each set of regions, in the order of [`KindRegions::all`].
     pub nodes: Vec<Vec<Occupancy>>,
-    /// When that was worked out, and what for.
+    /// When the nodes were computed, and for which mode and version of the path.
     pub made: Option<(Time, WalkMode, u64)>,
 }
 
@@ -82,28 +83,28 @@ pub struct NodesTaken {
 pub struct Person {
     /// Where the worker was seen.
     pub track: Track,
-    /// How the worker moves just now; nothing before the first sighting that was taken in.
+    /// How the worker moves just now; nothing before the first sighting that was accepted.
     pub motion: Option<Motion>,
     /// Where the worker may be going, in this step.
     pub ways: Vec<Hypothesis>,
-    /// Which nodes the worker will take by the calibrated forecast, where that is what counts.
+    /// The nodes that the worker will take by the calibrated forecast, if that is in use.
     pub occupied: NodesTaken,
-    /// Whether something was seen of the worker in this step.
+    /// Whether the worker was seen in this step.
     pub fresh: bool,
-    /// Whether the worker was put somewhere else without a walk.
+    /// Whether the worker's place changed without a walk.
     pub relocated: bool,
     /// The path that the worker is to take.
     pub plan: Option<Plan>,
-    /// What the worker does about that path.
+    /// The state of the worker's walk.
     pub mode: WalkMode,
-    /// When the next way is looked for, if none was found.
+    /// When a way is searched for again, if none was found.
     pub looks_again: Option<Time>,
     /// Counts up with every new path.
     pub version: u64,
     /// Since when the worker has been at the place of the assignment.
     pub there_since: Option<Time>,
-    /// How long the worker was at the place of an assignment before leaving it: a worker who comes back goes on with
-    /// it.
+    /// How long the worker was at the place of an assignment before leaving it: a worker who comes back continues from
+    /// there.
     pub was_there: Option<(AssignmentId, Span)>,
     /// Since when the worker has been standing.
     pub stands_since: Option<Time>,
@@ -111,27 +112,27 @@ pub struct Person {
     pub lingers: Option<(Point, Time)>,
     /// Since when a robot has been standing on the path just ahead.
     pub blocked_since: Option<(RobotId, Time)>,
-    /// What a closed area means for the path, if anything.
+    /// How a closed area affects the path, if one does.
     pub by_closure: Option<GuidanceReason>,
     /// The shortest way to a door while the building is evacuated, whatever robots stand on it.
     pub way_out: Vec<Point>,
-    /// When closed areas were minded last.
+    /// When closed areas were last checked for the worker.
     pub minded: Option<Time>,
-    /// The robot that the worker lets pass, if one.
+    /// How the worker lets a robot pass, if at all.
     pub lets_pass: Option<LetsPass>,
-    /// When the worker let a robot pass last.
+    /// When the worker last let a robot pass.
     pub let_pass_at: Option<Time>,
-    /// When the worker's way was compared last with what robots are granted.
+    /// When the worker's way was last compared with what robots are granted.
     pub on_time_at: Option<Time>,
-    /// When the worker had waited on its way for robots for as long as anybody may.
+    /// When the worker had waited for robots for as long as a worker may.
     pub waited_at: Option<Time>,
-    /// When the worker was asked last to touch marks for a robot.
+    /// When the worker was last asked to touch marks for a robot.
     pub marks_asked: Option<Time>,
-    /// The goal that was noted last, and when.
+    /// The goal that was last recorded, and when.
     pub goal_noted: Option<(GoalId, Time)>,
     /// What the worker is told now, and since when.
     pub message: Option<Message>,
-    /// What was told last, and when.
+    /// The guidance that was last sent, and when.
     pub told: Option<(Guidance, Time)>,
 }
 
@@ -140,73 +141,73 @@ pub struct Person {
 pub struct LetsPass {
     /// The robot.
     pub robot: RobotId,
-    /// The visit at which the robot was.
+    /// The visit at which the robot was when this began.
     pub reached: u64,
-    /// Since when.
+    /// Since when the person lets the robot pass.
     pub since: Time,
-    /// Until when, at the latest.
+    /// Until when at the latest the person lets the robot pass.
     pub until: Time,
     /// What the person does for that now.
     pub stage: LetsPassStage,
 }
 
-/// What a person does who lets a robot pass.
+/// What a person who lets a robot pass is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LetsPassStage {
-    /// Shows the headset where it is, since what it does not know closes more floor than the person.
+    /// The person shows the headset where it is, since its uncertainty closes more floor than the person does.
     TouchesMarks,
-    /// Walks to a place aside.
+    /// The person walks to a place aside.
     Walks,
-    /// Stands there.
+    /// The person stands aside.
     Stands,
-    /// Waits on its way until the robot has passed, because that is earliest (`on_time.rs`).
+    /// The person waits on the way until the robot has passed, because that is fastest (`on_time.rs`).
     Waits,
 }
 
 /// Where the published procedure leads a worker.
 #[derive(Clone, Debug)]
 pub enum Led {
-    /// Where it is expected to walk anyway: robots leave it this path.
+    /// Along the path on which the worker is expected to walk anyway: robots leave it free.
     AsExpected(Vec<Point>),
-    /// Along another path, which it is told.
+    /// Along another path, which the worker is told.
     Redirected(Vec<Point>),
     /// Nowhere: a robot is in the way.
     Stopped {
-        /// Which, if it is one.
+        /// The robot, if one is found.
         by: Option<RobotId>,
     },
 }
 
-/// Where the picker of a station stands.
+/// The place where the picker of a station stands.
 #[derive(Clone, Debug)]
 struct Workplace {
     station: StationId,
     outline: Vec<Point>,
-    /// Whether a button was pressed there of late.
+    /// Whether a button was pressed there lately.
     is_used: bool,
 }
 
-/// All that is kept in mind about people.
+/// All that is remembered about people.
 #[derive(Clone, Debug)]
 pub struct HumanState {
     pub walkways: Arc<Walkways>,
     pub intents: Intents,
     pub afoot: Afoot,
     pub people: IdVec<WorkerId, Person>,
-    /// Whether forecasts hold.
+    /// Whether forecasts have come true.
     pub coverage: Coverage,
     /// What is closed to people.
     pub barred: Barred,
-    /// Robots for which people have stood aside lately, with when they were asked last.
+    /// Robots for which people have stood aside lately, with when people were last asked to.
     pub passed: BTreeMap<RobotId, Time>,
     /// The workplaces of stations, which guards keep apart from robots.
     workplaces: Vec<Workplace>,
-    /// What people mean for robots of each kind, in this step.
+    /// The conditions that people cause for robots of each kind, in this step.
     pub(super) conditions: KindConditions,
 }
 
 impl HumanState {
-    /// Nothing is known of any worker.
+    /// The state in which nothing is known of any worker.
     pub fn new(warehouse: &Warehouse, regions: &KindRegions, method: Method) -> HumanState {
         let walkways = Arc::new(Walkways::of(warehouse));
         let workplace = |(station, cell): (StationId, &Cell)| Workplace {
@@ -228,7 +229,7 @@ impl HumanState {
         }
     }
 
-    /// The kinds of robots have changed: what is kept for each of them is found out again, in this step.
+    /// Drops what is kept for each robot kind, after the kinds have changed; it is computed again in this step.
     pub(crate) fn refit(&mut self, floor: Floor<'_>) {
         self.conditions = KindConditions::none(floor.warehouse(), floor.regions);
         self.people.iter_mut().for_each(|person| person.occupied = NodesTaken::default());
@@ -247,7 +248,7 @@ impl HumanState {
         self.people.get(worker)?.track.whereabouts(now)
     }
 
-    /// Where else workers may be, if their sources do not agree.
+    /// Where else workers may be, if their sources disagree.
     pub fn others(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
         let people = self.people.pairs();
         people.flat_map(|(w, p)| p.track.others(now).into_iter().map(move |place| (w, place))).collect()
@@ -258,15 +259,15 @@ impl HumanState {
         self.among_robots(now).into_iter().chain(self.others(now)).collect()
     }
 
-    /// Every worker on the floor who is not seen in the workplace of a station: there a guard is between people and
-    /// robots, so people mean nothing for robots until they step out of it or are no longer seen.
+    /// Every worker on the floor who is not seen in the workplace of a station: a guard there separates people from
+    /// robots, so people do not restrict robots until they step out or are no longer seen.
     pub fn among_robots(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
         let mut present = self.present(now);
         present.retain(|(_, place)| !self.is_at_workplace(place));
         present
     }
 
-    /// Whether a worker is seen in the workplace of a station; or was seen there last, before the headset went silent,
+    /// Whether a worker is seen in the workplace of a station; or was last seen there before the headset went silent,
     /// and buttons are pressed there.
     pub fn is_at_workplace(&self, place: &Whereabouts) -> bool {
         let is_seen = place.presence == Presence::Tracked;
@@ -280,7 +281,7 @@ impl HumanState {
         }
     }
 
-    /// Stations in whose workplace two persons are seen, or more.
+    /// Stations in whose workplace two or more people are seen.
     pub fn in_company(&self, now: Time) -> Vec<StationId> {
         let seen = self.people.iter().filter_map(|p| p.track.whereabouts(now));
         let seen: Vec<Point> = seen.filter(|w| w.presence == Presence::Tracked).map(|w| w.at).collect();
@@ -303,7 +304,7 @@ impl Plan {
 }
 
 impl Person {
-    /// Notes where the worker is: within a few metres of where it was, or somewhere else.
+    /// Notes where the worker is: within a few metres of the spot noted before, or in a new one.
     pub fn note_place(&mut self, at: Point, now: Time) {
         let here = self.lingers.filter(|(spot, _)| (spot - at).norm() <= LINGERS_M);
         self.lingers = here.or(Some((at, now)));
@@ -319,13 +320,13 @@ impl Person {
         self.version += 1;
     }
 
-    /// Expects the worker to walk along a path, without a word about it.
+    /// Expects the worker to walk along a path, without telling the worker.
     pub fn expect(&mut self, points: Vec<Point>, now: Time) {
         self.give(points, None, Span::ZERO, now);
         self.plan.as_mut().expect("just given").is_shown = false;
     }
 
-    /// The robot for which the worker waits on its way.
+    /// How the worker waits for a robot on the way, if so.
     pub fn waits(&self) -> Option<LetsPass> {
         self.lets_pass.filter(|l| l.stage == LetsPassStage::Waits)
     }
