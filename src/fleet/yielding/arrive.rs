@@ -1,8 +1,8 @@
-//! Robots that would only stand at the end of what they were granted, until a worker has gone: they drive more slowly,
-//! to arrive when the way is free.
+//! Robots that would only stand at the end of what they were granted until a worker has gone drive more slowly, to
+//! arrive when the way is free.
 //!
 //! A slow robot brakes gently, and its separation distance is shorter, so it stops for fewer people. Main function:
-//! `arrival_limit`. Refuses: to make anybody later, the robot itself or one that waits for what it leaves.
+//! `arrival_limit`. Refuses: to make any robot later, the robot itself or one that waits for what it leaves.
 
 use crate::yielding::speed_limit::SpeedLimits;
 use giveway_floor::id::RobotId;
@@ -10,16 +10,16 @@ use giveway_floor::time::Time;
 use giveway_people::aware::{HumanAwarePolicy, SLOW_MPS, leaves_after, quantised};
 use giveway_people::human::Presence;
 
-/// Robots arrive this much before the way is expected to be free, since people are sometimes faster, seconds.
+/// How long before the way is expected to be free robots arrive, seconds: people are sometimes faster.
 const BEFORE_S: f64 = 1.0;
-/// A robot this near to the end of what it was granted drives there as it does, metres.
+/// A robot this near to the end of what it was granted gets no such limit, metres.
 const NEAR_M: f64 = 0.5;
 
 impl SpeedLimits<'_> {
-    /// How fast a robot should drive at most so that it arrives at the end of what it was granted just before the
-    /// worker who keeps it there is expected to have left; metres per second, in steps of 0.25, and never below the
-    /// speed of robots near people. Nothing for a robot that is kept by nobody, whose worker stays or is not seen, for
-    /// which another robot waits, or which has no more time than it needs.
+    /// The limit at which a robot arrives at the end of what it was granted just before the worker who keeps it there
+    /// is expected to have left; metres per second, in steps of 0.25, and never below the speed of robots near people.
+    /// Nothing if no worker keeps the robot, if the worker stays or is not seen, if another robot waits for this one,
+    /// or if it has no more time than it needs.
     pub fn arrival_limit(&self, robot: RobotId, now: Time) -> Option<f64> {
         if self.floor.settings.policy != HumanAwarePolicy::Giveway || self.direction.is_some() {
             return None;

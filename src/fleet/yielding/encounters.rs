@@ -1,6 +1,6 @@
-//! Which robots gave way to which workers, and which met which.
+//! Which robots gave way to which workers, and which robots met which workers.
 //!
-//! Refuses: to react; it takes notes.
+//! Refuses: to react; it only records.
 
 use crate::people::state::HumanState;
 use crate::state::fact::EncounterFact;
@@ -16,7 +16,7 @@ use giveway_people::aware::{Meeting, Near};
 use giveway_people::human::Presence;
 use std::collections::BTreeMap;
 
-/// A worker is looked at together with robots up to this far away, metres.
+/// Up to this distance a robot and a worker are looked at together, metres.
 const NEAR_M: f64 = 4.0;
 
 impl Yielding {
@@ -39,7 +39,7 @@ impl Yielding {
         }
     }
 
-    /// Encounters, as far as they are seen.
+    /// Records encounters, as far as they are seen.
     pub(crate) fn meet(&mut self, writer: &mut Writer, people: &HumanState, now: Time) {
         let mut near = Vec::new();
         for (worker, w) in people.among_robots(now) {
@@ -83,8 +83,8 @@ impl Yielding {
     }
 }
 
-/// Notes when the task that a robot had when it met a worker is to end now. While the robot has no route, it ends no
-/// earlier than it was to end before, and not before now.
+/// Notes when the task that a robot had when it met a worker is to end now. While the robot has no route, the task ends
+/// no earlier than it was to end before, and not before now.
 fn note_cost(
     costs: &mut BTreeMap<(WorkerId, RobotId), EncounterCost>,
     floor: Floor<'_>,

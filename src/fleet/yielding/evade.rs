@@ -1,9 +1,9 @@
-//! Robots that give way: which grant has to wait for which worker, and which robot looks for another route.
+//! Robots that give way: which grant has to wait for which worker, and which robot searches for another route.
 //!
-//! Decided by where windows meet (the cases of a potential collision zone, [`Zone`]): if the robot is through
-//! before the worker comes, or comes after the worker is through, it keeps its route; if it would have to wait
-//! a little, it waits; if it would have to wait for long, it looks for another route. Refuses: to look at
-//! robots whose holds no worker touches.
+//! Decided by where windows meet (the cases of a potential collision zone, [`Zone`]): if the robot is through before
+//! the worker comes, or comes after the worker is through, it keeps its route; if it would have to wait a little, it
+//! waits; if it would have to wait for long, it searches for another route. Refuses: to look at robots whose holds no
+//! worker touches.
 
 use crate::people::state::HumanState;
 use crate::state::binding::STOPPING;
@@ -19,30 +19,30 @@ use giveway_floor::time::{Span, Time, Window};
 use giveway_people::aware::zone_answers::ZoneAnswer;
 use giveway_people::aware::{Adaptation, HumanAwarePolicy, Zone};
 
-/// Waiting up to this is better than going elsewhere.
+/// Waiting up to this long is better than taking another route.
 const PATIENCE: Span = Span::from_secs(3);
-/// A robot and a worker who have waited for one another for so long: the robot leaves.
+/// After a robot and a worker have waited for one another for this long, the robot leaves.
 const CIRCLE: Span = Span::from_secs(5);
-/// A robot looks for another route this often at most.
+/// A robot searches for another route at most this often.
 const AGAIN: Span = Span::from_secs(2);
 
 /// What a robot does about a worker whose windows meet its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
-    /// No worker is expected where it drives.
+    /// No worker is expected where the robot drives.
     Free,
-    /// They use the same places, but do not meet.
+    /// The robot and the worker use the same places, but do not meet.
     Keep(WorkerId),
-    /// It waits before it enters the zone, as its grants do by themselves.
+    /// The robot waits before it enters the zone, as its grants make it do by themselves.
     Wait(WorkerId),
-    /// It looks for another route.
+    /// The robot searches for another route.
     Change(WorkerId),
-    /// It stands in the worker's way, and looks for another place.
+    /// The robot stands in the worker's way, and searches for another place.
     Leave(WorkerId),
 }
 
 impl Decision {
-    /// The answer to a potential collision zone, if this is one.
+    /// The answer to a potential collision zone, if the decision is one.
     fn answer(self) -> Option<(WorkerId, ZoneAnswer)> {
         match self {
             Decision::Keep(worker) => Some((worker, ZoneAnswer::Keep)),
@@ -63,7 +63,7 @@ impl Yielding {
         now: Time,
     ) {
         if writer.restrictions.conditions.is_empty() {
-            // There is nobody to give way to: what was noted of earlier waiting says nothing about the next one.
+            // There is no worker to give way to: what was noted of earlier waiting says nothing about the next time.
             self.state.no_worker_is_near(now);
             return;
         }
@@ -121,7 +121,7 @@ impl Yielding {
         }
     }
 
-    /// The cases of a potential collision zone for the holds ahead.
+    /// What a robot does by the cases of a potential collision zone, for its holds ahead.
     pub(crate) fn decide(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> Decision {
         if floor.scene.fit(robot, now).is_none() {
             return Decision::Free;
@@ -146,7 +146,7 @@ impl Yielding {
         }
     }
 
-    /// The worker on whose path the robot stands, if it can be asked to go at all.
+    /// The worker on whose path the robot stands, if the robot can be asked to go at all.
     fn must_leave(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> Option<WorkerId> {
         if !floor.could_be_sent_off(robot) {
             return None;
@@ -172,7 +172,7 @@ impl Yielding {
         long.filter(|w| !floor.restrictions.let_pass.contains(w))
     }
 
-    /// Looks for a route that does not meet the worker, and takes it where it is better than waiting and than passing
+    /// Searches for a route that does not meet the worker, and takes it if it is better than waiting and than passing
     /// the worker within the corridor.
     fn change_route(
         &mut self,
@@ -209,7 +209,7 @@ impl Yielding {
         }
     }
 
-    /// Whether the next hold of a robot may be granted although it is too near to a person.
+    /// Whether the next hold of a robot may be granted although the robot is too near to a person.
     fn leads_off(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> bool {
         let chain = floor.ledger.chain(robot);
         let next = chain.get(chain.granted());
@@ -220,13 +220,13 @@ impl Yielding {
     }
 }
 
-/// Nodes to look at for a place out of the way.
+/// How many nodes are looked at to find a place out of the way.
 const PLACES: usize = 60;
-/// Searches for one.
+/// How many of the places found a route is searched for.
 pub(crate) const TRIES: usize = 3;
 
 impl Yielding {
-    /// Drives out of a worker's way to the nearest place where nobody is expected, and on with the task from there.
+    /// Drives out of a worker's way to the nearest place where no person is expected, and on with the task from there.
     fn evade(
         &mut self,
         writer: &mut Writer,
@@ -256,7 +256,7 @@ impl Yielding {
 }
 
 /// Closes what is nearer to a worker than a robot is, for the rest of the step. A worker who waits for a robot will not
-/// have gone when the windows of a person who merely stands are over: no route past that worker is one.
+/// have gone when the windows of a person who merely stands are over, so no route past that worker counts.
 fn close_before(writer: &mut Writer, robot: RobotId, worker: WorkerId, now: Time) {
     let Some(at) = writer.restrictions.whereabouts(worker).map(|w| w.at) else { return };
     let own_m = (writer.floor().place_of(robot) - at).norm();
@@ -273,13 +273,14 @@ impl Floor<'_> {
         chain.first() + 1 == chain.granted() && !self.ledger.robots[robot].failed
     }
 
-    /// The worker for whom a robot waits and who waits for it, directly or behind others, for longer than a moment.
+    /// The worker for whom a robot waits and who waits for the robot, directly or behind others, for over a moment.
     fn waits_in_a_circle_with(&self, robot: RobotId, now: Time) -> Option<WorkerId> {
         let (worker, since) = self.waits.circle_with(robot)?;
         (now - since > CIRCLE).then_some(worker)
     }
 
-    /// Nodes near a robot without conditions, nearest first over lanes that it may drive, not nearer to the worker.
+    /// Nodes near a robot without conditions, nearest first along lanes that the robot may drive, no nearer to the
+    /// worker.
     pub(super) fn places_out_of_the_way(&self, robot: RobotId, worker: WorkerId) -> Vec<NodeId> {
         let floor = *self;
         let at = |n: NodeId| floor.warehouse().nodes[n].at;

@@ -1,4 +1,4 @@
-//! Robots that stand between two nodes and have forgotten what they were granted: on to which of the two?
+//! Robots that stand between two nodes and have forgotten what they were granted: to which of the two do they go on?
 //!
 //! Main function: `turn_halfway`. Refuses: to turn a robot that moves.
 
@@ -11,7 +11,7 @@ use crate::yielding::state::Yielding;
 use giveway_floor::time::Time;
 
 impl Yielding {
-    /// Has each robot go on to a node to which nothing keeps it from driving; it stays where that is true of neither.
+    /// Has each robot go on to a node to which nothing keeps it from driving; if both are barred, the robot stays.
     pub(crate) fn turn_halfway(
         &self,
         writer: &mut Writer,
@@ -38,7 +38,7 @@ impl Yielding {
             let all = traffic.directions_for(writer.floor(), robot, now);
             let open: Vec<Direction> = all.iter().copied().filter(|d| may_go(*d)).collect();
             let chosen = match open[..] {
-                // Nothing keeps it from either: whichever gets it to its next stop earlier.
+                // Nothing keeps the robot from either: it takes the one that gets it to its next stop earlier.
                 [_, _] if traffic.direction(robot).is_none() && !obstructed => {
                     Some(traffic.better_direction(writer.floor(), robot, now))
                 }

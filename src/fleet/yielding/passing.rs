@@ -1,9 +1,9 @@
 //! Robots that go round people instead of waiting for them: on lanes with a corridor, if their kind may leave the line.
 //!
-//! Three things are compared by when the robot reaches its next stop: it waits until the people have left, as far as
+//! Three choices are compared by when the robot reaches its next stop: it waits until the people have left, as far as
 //! the regions around them tell; it takes another route; it passes them within the corridor, slowly and with a detour.
-//! Passing is possible only where a side of everybody is free for the robot and the safe distance, the corridor goes on
-//! until behind them, and no other robot comes first there. All of it is granted at once. While there is no room the
+//! Passing is possible only if one side of every person has room for the robot and the safe distance, the corridor goes
+//! on until behind them, and no other robot comes first there. All of it is granted at once. While there is no room the
 //! robot stands where it is. Refuses: to steer the robot, and to be a safety function.
 
 use super::state::Yielding;
@@ -22,39 +22,39 @@ use giveway_people::aware::{HumanAwarePolicy, SLOW_MPS};
 use giveway_people::human::Whereabouts;
 use giveway_people::local::{LineSide, NearPerson, PassingRoom};
 
-/// A side is free where nobody is more probably in the way than this …
+/// A side is free if the probability that a person is in the way there is at most this.
 const DOUBT: f64 = 0.25;
-/// … and stays so for a robot that has begun to pass until somebody is more probably in the way than this.
+/// For a robot that has begun to pass, a side stays free up to this probability.
 const DOUBT_ON: f64 = 0.5;
 /// A robot farther off the line than this is on one side of it, metres.
 const ASIDE_M: f64 = 0.3;
-/// People farther from the corridor than this mean nothing for passing, metres.
+/// People farther from the corridor than this do not count for passing, metres.
 const FAR_M: f64 = 8.0;
-/// No stretch is longer, metres.
+/// The longest stretch for passing, metres.
 const LONGEST_M: f64 = 30.0;
-/// A robot that stands between two nodes is looked at this often.
+/// How often a robot that stands between two nodes is looked at.
 const AGAIN: Span = Span::from_secs(1);
-/// A robot beside the line stands so long without room.
+/// How long a robot beside the line stands without room.
 const PATIENCE: Span = Span::from_secs(8);
 /// Room to come back to the line behind the keep-out zone of the last person, metres.
 const BACK_M: f64 = 1.0;
-/// Somebody who is done has left the way after so long.
+/// A worker who is done has left the way after this.
 const LEAVES: Span = Span::from_secs(3);
-/// Starting aside and coming to rest on the line again take this longer than driving, seconds.
+/// How much longer than driving it takes to start aside and to come to rest on the line again, seconds.
 const SWINGS_S: f64 = 2.0;
 
-/// What passing would be like.
+/// How it would be to pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Prospect {
     what: Passing,
     /// When the robot would reach its next stop.
     pub arrives: Time,
-    /// Whether it stands where that begins.
+    /// Whether the robot stands where passing begins.
     is_there: bool,
 }
 
 impl Yielding {
-    /// What it would be like if a robot passed those who hold it up; nothing where it cannot.
+    /// How it would be if a robot passed the people who hold it up; nothing if it cannot.
     pub(super) fn prospect(
         &self,
         floor: Floor<'_>,
@@ -87,7 +87,7 @@ impl Yielding {
         let begins = if is_there { now } else { chain.get(from)?.arrive.max(now) };
         let late = (begins + takes - chain.get(to)?.arrive).max(Span::ZERO);
         let stop = floor.ledger.robots[robot].stops.first()?;
-        // Where it is known when somebody is done, waiting until then may be better than it seems.
+        // If it is known when the worker is done, waiting until then may be better than it seems.
         let leaves = people.done_at(worker, now).map(|t| t - now + LEAVES);
         if leaves.is_some_and(|waits| waits <= late) {
             return None;
@@ -96,7 +96,7 @@ impl Yielding {
         Some(Prospect { what: Passing { worker, from, to, since: now }, arrives, is_there })
     }
 
-    /// The robot passes if that is what was chosen and it stands where that begins; else it drives there first.
+    /// Lets the robot pass if it stands where passing begins; otherwise it drives there first.
     pub(super) fn pass(&mut self, writer: &mut Writer, robot: RobotId, prospect: Prospect) {
         if prospect.is_there {
             let Passing { from, to, .. } = prospect.what;
@@ -108,7 +108,7 @@ impl Yielding {
         }
     }
 
-    /// A robot that is in somebody's way passes that person, if it can and that is better than waiting. Whether it
+    /// Lets a robot in a person's way pass that person, if it can and that is better than waiting. Returns whether it
     /// does.
     pub(super) fn pass_instead(
         &mut self,
@@ -130,7 +130,7 @@ impl Yielding {
         passes
     }
 
-    /// A robot that stands for somebody between two nodes can go on past them, or wait: there is no other route from
+    /// Lets a robot that stands for people between two nodes go on past them, or wait: there is no other route from
     /// there.
     pub(super) fn pass_from_between(
         &mut self,
@@ -159,7 +159,7 @@ impl Yielding {
         }
     }
 
-    /// Whether there is still room for robots that pass somebody; those that are past everybody are on the line again.
+    /// Updates whether robots that pass people still have room; robots past all people are on the line again.
     pub(crate) fn follow_passing(&mut self, writer: &mut Writer, people: &HumanState, now: Time) {
         let passing: Vec<(RobotId, RobotPassing)> = self.state.passing().collect();
         for (robot, mut passing) in passing {
@@ -177,13 +177,13 @@ impl Yielding {
 }
 
 impl RobotPassing {
-    /// Whether the robot drives. After a while without room its own planner decides: somebody who stands there may
+    /// Whether the robot drives. After a while without room its own planner decides: a person who stands there may
     /// leave room that the forecast does not see.
     fn goes(&self, now: Time) -> bool {
         self.stands_since.is_none_or(|t| now - t > PATIENCE)
     }
 
-    /// How fast the robot may be, near these people, and for whom it stands.
+    /// The robot's speed limit near these people, metres per second, and the worker for whom it stands.
     pub(super) fn limit(
         &self,
         floor: Floor<'_>,
@@ -204,7 +204,7 @@ impl RobotPassing {
     }
 }
 
-/// Whether there is room ahead of a robot that passes somebody, on the side on which it is if it is on one.
+/// Whether there is room ahead of a robot that passes people, on the side on which the robot is if it is on one.
 fn has_room(
     floor: Floor<'_>,
     people: &HumanState,
@@ -237,9 +237,9 @@ fn reach_m(stretch: PassingStretch) -> f64 {
 }
 
 impl Floor<'_> {
-    /// The visit at which a robot would be on the line again that leaves it at `from`: the first one behind all people
+    /// The visit at which a robot that leaves the line at `from` would be on it again: the first one behind all people
     /// who hold it up, with room to come back to the line, if the corridor leads there and nothing else keeps the robot
-    /// from it. With the people near.
+    /// from it. Also the people nearby.
     fn passes_until(
         self,
         people: &HumanState,
@@ -277,7 +277,7 @@ impl Floor<'_> {
         None
     }
 
-    /// How long passing takes: slowly within the keep-out zone of somebody, both before and behind, and aside.
+    /// How long passing takes: slowly within a person's keep-out zone, both before and behind, and aside.
     fn passing_takes(&self, robot: RobotId, length_m: f64, detour_m: f64) -> Span {
         let loaded = self.ledger.rack_on(robot).is_some();
         let near_m = length_m.min(2.0 * self.regions(robot).keep_out_radius_m(loaded, 0.0));

@@ -1,11 +1,10 @@
 //! The published reaction to a worker who left the path (Petković 2021, algorithm 6 and section 4.3.3), for
 //! comparison.
 //!
-//! All robots are interrupted; when they stand, the worker gets the common
-//! beginning of the predicted paths if robots leave it free, else another way to its end, else robots are
-//! asked to leave it, else the worker is told to stop. Then all robots are planned anew. Read with its
-//! errata: the common segment is a prefix, and the most probable path stands in where paths share a single
-//! node. Refuses: to be used by our own method.
+//! All robots are interrupted. When they stand, the worker gets the common beginning of the predicted paths if robots
+//! leave it free; else another way to its end; else robots are asked to leave it; else the worker is told to stop. Then
+//! all robots are replanned. Read with its errata: the common segment is a prefix, and the most probable path stands in
+//! where paths share a single node. Refuses: to be used by our own method.
 
 use crate::people::intents::goal_of;
 use crate::people::state::{HumanState, Led, WalkMode};
@@ -28,20 +27,20 @@ use giveway_people::human::{Band, Hypothesis, Presence, common_prefix, straight_
 
 /// A robot that has not come to rest after this long is taken as it is.
 const REST: Span = Span::from_secs(6);
-/// For a worker who was told to stop and is still in robots' way, all are interrupted again after this long.
+/// If a worker who was told to stop is still in robots' way, all robots are interrupted again after this long.
 const AGAIN: Span = Span::from_secs(30);
 /// How far a path is predicted, metres.
 const FAR_M: f64 = 30.0;
 const STRAIGHT_M: f64 = 10.0;
-/// A worker who has moved less since then still stands where that was, metres.
+/// A worker who has moved by less than this still stands in the same place, metres.
 const STOOD_M: f64 = 1.0;
-/// A worker who was told to stop goes on when so much of the expected path is free, metres: robots farther along it
+/// A worker who was told to stop goes on when this much of the expected path is free, metres: robots farther along it
 /// have the time to leave.
 const CLEAR_M: f64 = 5.0;
 
 impl Yielding {
-    /// Starts, and carries on with, the published procedure. Where it ends, the worker for whom it ran and where that
-    /// worker is to be led.
+    /// Starts the published procedure and carries it on. When it ends, returns the worker for whom it ran and where
+    /// that worker is to be led.
     pub(crate) fn follow_procedure(
         &mut self,
         writer: &mut Writer,
@@ -76,8 +75,8 @@ impl Yielding {
         Some((worker, self.plan_for(writer, people, traffic, worker, now)?))
     }
 
-    /// A worker who was told to stop, and who has a way by now, so that no robot need be interrupted: no robot is on
-    /// the beginning of the expected path and none is broken on the rest, or another way is free.
+    /// A worker who was told to stop and has a way by now, so that no robot needs to be interrupted: no robot is on the
+    /// beginning of the expected path and none is broken on the rest, or another way is free.
     fn lets_go_on(&self, floor: Floor<'_>, people: &HumanState, now: Time) -> Option<(WorkerId, Led)> {
         let running = self.procedure.running.map(|(w, _)| w);
         people.people.ids().filter(|w| running != Some(*w)).find_map(|worker| {
@@ -85,7 +84,7 @@ impl Yielding {
                 return None;
             }
             let at = people.whereabouts(worker, now).filter(|w| w.presence != Presence::Lost)?.at;
-            // Who stands gives no new direction.
+            // A worker who stands gives no new direction.
             let before = self.procedure.stopped.get(&worker).filter(|path| (path[0] - at).norm() < STOOD_M);
             let path = before.cloned().unwrap_or_else(|| predicted_segment(floor, people, worker, at, now));
             let end = *path.last()?;
@@ -123,7 +122,7 @@ impl Yielding {
         match person.mode {
             WalkMode::Stopped { since } => now - since >= AGAIN,
             WalkMode::Deviating { .. } if floor.settings.policy == HumanAwarePolicy::Nhir => {
-                // Without a prediction the fleet does not react before a robot had to.
+                // Without a prediction, the fleet does not react before a robot has to.
                 floor.ledger.present().any(|r| {
                     let loaded = floor.ledger.rack_on(r).is_some();
                     let radius = floor.regions(r).stop_radius_m(loaded, 0.0);
@@ -179,8 +178,8 @@ impl Yielding {
         Some(Led::Stopped { by: in_the_way.first().copied() })
     }
 
-    /// Evasive moves: every robot on the path gets a route to a place off it, in time, or none of them moves.
-    /// `conditions` has the path as what the worker will walk.
+    /// Evasive moves: every robot on the path gets a route to a place off it, in time, or none of them moves. In
+    /// `conditions`, the path is what the worker will walk.
     fn all_leave(
         &mut self,
         writer: &mut Writer,
@@ -196,7 +195,7 @@ impl Yielding {
         let Some(routes) = routes else { return false };
         commit_all(writer, routes);
         for robot in robots {
-            // It has just been planned; whatever else is earlier may lead back onto the path.
+            // The robot has just been planned; any earlier route may lead back onto the path.
             self.procedure.again.remove(robot);
             traffic.tally.replans += 1;
             self.gives_way(writer, *robot, worker, Reaction::Rerouted, now);
@@ -204,7 +203,7 @@ impl Yielding {
         true
     }
 
-    /// Plans interrupted robots anew, a few in each step; a robot that finds nothing better goes on as before.
+    /// Replans interrupted robots, a few in each step; a robot that finds nothing better goes on as before.
     pub(crate) fn plan_interrupted(&mut self, writer: &mut Writer, traffic: &mut Traffic, now: Time) {
         if self.procedure.ended == Some(now) {
             return;
@@ -216,7 +215,7 @@ impl Yielding {
     }
 }
 
-/// Routes off the path for all of these robots, each planned around those before it.
+/// Routes off the path for all of these robots, each planned around the routes before it.
 fn evasions(
     floor: Floor<'_>,
     traffic: &mut Traffic,
@@ -233,7 +232,7 @@ fn evasions(
         return None;
     }
     in_turn(floor, robots, |timeline, robot| {
-        // Where it stands is where no robot may be: any way off that comes no nearer is better.
+        // The robot stands where no robot may be: any way off that comes no nearer is better.
         let mut exemptions = floor.exemptions(robot, now);
         if exemptions.iter().all(|a| a.from != Cause::Worker(worker)) {
             exemptions.extend(floor.exemption_from(floor.ledger.node_of(robot), Cause::Worker(worker)));
@@ -309,7 +308,7 @@ fn beginning(path: &[Point], metres: f64) -> Vec<Point> {
 }
 
 impl Floor<'_> {
-    /// The places nearest to where the robot is bound for come first (Petković 2021, section 4.3.3).
+    /// Sorts places so that those nearest to where the robot is bound for come first (Petković 2021, section 4.3.3).
     fn sort_by_goal(&self, places: &mut [NodeId], robot: RobotId) {
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let chain = self.ledger.chain(robot);
@@ -318,8 +317,8 @@ impl Floor<'_> {
         places.sort_by(|a, b| (at(*a) - goal).norm().total_cmp(&(at(*b) - goal).norm()));
     }
 
-    /// Whether a robot is off the path before a slow walker would be through: later, the worker would wait for
-    /// the robot and the robot for the worker.
+    /// Whether a robot is off the path before a slow walker would be through: later, the worker and the robot would
+    /// wait for each other.
     fn leaves_in_time(&self, robot: RobotId, route: &Route, place: NodeId, worker: WorkerId) -> bool {
         let gone = |visit: &Visit| {
             let conditions = self.conditions(robot).of(visit.node).iter();

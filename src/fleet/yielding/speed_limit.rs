@@ -1,4 +1,4 @@
-//! How fast each robot may be near people, now, and which robots that stand for people lose what they were granted.
+//! How fast each robot may now drive near people, and which robots that stand for people lose what they were granted.
 //!
 //! Limits and stops leave at once, without waiting for the journal: they take no hold from any robot. Refuses:
 //! to be a safety function; robots' own scanners and brakes are.
@@ -26,24 +26,24 @@ use giveway_people::human::{Presence, WALK_MPS, Whereabouts};
 const STANDS_MPS: f64 = 0.05;
 /// Room beyond region 1 that a robot leaves to a person who stands, metres.
 const ROOM_M: f64 = 0.3;
-/// Room beyond region 1 that is left to a person who comes: what is walked while a stop is on its way, metres.
+/// Room beyond region 1 that is left to a person who comes: what the person walks while a stop is on its way, metres.
 const CLEAR_M: f64 = 0.35;
-/// A robot that stands sets off only with so much more room, metres: poses and speeds waver, and a robot that starts
-/// and stops by turns creeps just when a person comes.
+/// How much more room a robot that stands needs to set off, metres: poses and speeds waver, and a robot that starts and
+/// stops by turns would be creeping just when a person comes.
 const SET_OFF_M: f64 = 0.3;
 /// A person farther away does not come into region 1 before a robot has stopped, metres.
 const PASSING_M: f64 = 6.0;
 /// How fast people walk once they set off, metres per second.
 const GAIT_MPS: f64 = 1.3;
-/// Robots are told their limit again after this long, until they say that they know it.
+/// Robots are told their limit again after this long, until they confirm it.
 const INSIST: Span = Span::from_millis(100);
-/// A robot comes towards a person where at least this share of its speed leads there.
+/// A robot comes towards a person if at least this share of its speed leads there.
 const TOWARDS: f64 = 0.1;
-/// What the measured speed of a person may be wrong by, metres per second.
+/// How far the measured speed of a person may be wrong, metres per second.
 const MEASURED_MPS: f64 = 0.2;
 /// A robot that comes nearer by no more than this passes, metres.
 const NEARER_M: f64 = 0.05;
-/// Robots and workers farther apart than this are of no interest to one another, metres.
+/// Robots and workers farther apart than this do not count for each other, metres.
 const FAR_M: f64 = 12.0;
 /// A robot farther from a person than this does not meet that person within the time of braking, metres.
 const MEETS_M: f64 = 12.0;
@@ -55,12 +55,12 @@ pub struct SpeedLimits<'a> {
     pub people: &'a HumanState,
     pub traffic: &'a Traffic,
     pub yielding: &'a YieldingState,
-    /// As if a robot between two nodes went on in this direction; else as it does.
+    /// The direction in which a robot between two nodes is assumed to go on; nothing for its actual direction.
     pub direction: Option<Direction>,
 }
 
 impl Yielding {
-    /// Tells every robot how fast it may be near people, where it does not know yet. This leaves at once.
+    /// Tells every robot its speed limit near people, unless the robot already knows it. This leaves at once.
     pub(crate) fn limit_robots(
         &mut self,
         writer: &mut Writer,
@@ -81,7 +81,7 @@ impl Yielding {
                 ObeyedLimits::Stops => {
                     self.limits(writer.floor(), people, traffic).as_stop(robot, limit, because, now)
                 }
-                // It is granted less instead.
+                // Such a robot is granted less instead.
                 ObeyedLimits::Nothing => {
                     self.state.of_mut(robot).limit_told = Some((limit, now));
                     continue;
@@ -106,7 +106,7 @@ impl Yielding {
         }
     }
 
-    /// Revokes what robots were granted beyond where they stand that have yielded to a person for long.
+    /// Revokes the grants of robots that have yielded to a person for long, beyond where they stand.
     pub(crate) fn revoke_grants(
         &mut self,
         writer: &mut Writer,
@@ -116,7 +116,7 @@ impl Yielding {
     ) {
         for robot in self.state.standing() {
             let stood_for = self.state.stood_for(robot, now);
-            // One that passes somebody is beside the line, and goes on from there.
+            // A robot that passes a person is beside the line, and goes on from there.
             let passes = self.state.of(robot).passing.is_some();
             let stood_for = stood_for.filter(|w| !passes && !writer.restrictions.let_pass.contains(w));
             let Some(w) = stood_for.and_then(|w| people.whereabouts(w, now)) else {
@@ -167,7 +167,8 @@ impl RobotYielding {
 }
 
 impl SpeedLimits<'_> {
-    /// How fast a robot may be at most, if not as fast as it can, and because of which worker.
+    /// The speed limit of a robot, metres per second, if it may not drive as fast as it can, and which worker causes
+    /// it.
     pub(crate) fn limit_for(
         &self,
         robot: RobotId,
@@ -178,7 +179,7 @@ impl SpeedLimits<'_> {
         let is_obstructed = self.floor.scene.is_kept_from_driving(robot, now);
         let back = self.drives_back_to(robot);
         let is_displaced = self.floor.scene.displaced(robot).is_some();
-        // It stands to be called back; one that cannot be goes on as soon as it is free.
+        // The robot stands to be called back; a robot that cannot be called back goes on as soon as it is free.
         let is_called = is_obstructed && back.is_none() && self.floor.kind(robot).capabilities.revocation;
         let stands = self.floor.is_halted(robot) || is_displaced || is_called;
         if stands || self.floor.drives_into(robot, back).is_some() {
@@ -226,9 +227,9 @@ impl SpeedLimits<'_> {
         }
     }
 
-    /// The limit for a robot that can stop and cannot be slow: it stands where others would be slow, unless it drives
-    /// away from the person or has stood there for long, since it could not get out of the way otherwise. It is granted
-    /// one node at a time then.
+    /// The limit for a robot that can stop but cannot be slow: it stands where others would be slow, unless it drives
+    /// away from the person or has stood there for long, since it could not get out of the way otherwise. In that case,
+    /// the robot is granted one node at a time.
     fn as_stop(
         &self,
         robot: RobotId,
@@ -244,8 +245,8 @@ impl SpeedLimits<'_> {
         (!drives_away && self.yielding.stood_for(robot, now).is_none()).then_some(0.0)
     }
 
-    /// How fast a robot may be so that it does not come towards a person too fast: its speed along its way counts as
-    /// far as it leads there.
+    /// How fast a robot may be so that it does not come towards a person too fast: of its speed along its way, the
+    /// share that leads towards the person counts.
     fn approach_limit(&self, robot: RobotId, at: Point, w: &Whereabouts, loaded: bool) -> Option<f64> {
         if self.floor.settings.policy != HumanAwarePolicy::Giveway || w.presence == Presence::Lost {
             return None;
@@ -279,7 +280,7 @@ impl SpeedLimits<'_> {
         (reached..).map_while(move |serial| chain.get(serial)).take(2).map(|v| v.node)
     }
 
-    /// Where a robot drives back to, if it does.
+    /// Where a robot drives back to, if it drives back.
     fn drives_back_to(&self, robot: RobotId) -> Option<Point> {
         match self.direction {
             Some(Direction::Back) => Some(self.floor.last_reached(robot)),
@@ -288,7 +289,7 @@ impl SpeedLimits<'_> {
         }
     }
 
-    /// The limit that a worker means where the robot is, and where it drives next.
+    /// The limit that a worker causes where the robot is, and where it drives next.
     fn limit_here(
         &self,
         robot: RobotId,
@@ -303,7 +304,7 @@ impl SpeedLimits<'_> {
             if self.is_caught_up(robot, worker, w, now) {
                 return Some(0.0);
             }
-            // The separation distance counts speed towards the person, and there is none.
+            // The separation distance counts speed towards the person, of which there is none here.
             if self.drives_away(robot, at, w, now) && !self.passes_slowly(robot, at, w, now) {
                 return None;
             }
@@ -324,7 +325,7 @@ impl SpeedLimits<'_> {
     /// Whether a robot that drives on to the end of what it was granted would still move when a person comes into
     /// region 1.
     fn is_caught_up(&self, robot: RobotId, worker: WorkerId, w: &Whereabouts, now: Time) -> bool {
-        // One that has stood for long leaves: a person who wants to pass where it stands comes near all the time.
+        // A robot that has stood for long leaves: a person who wants to pass where it stands comes near all the time.
         if self.yielding.stuck_with(robot, now).is_some() {
             return false;
         }
@@ -354,8 +355,8 @@ impl SpeedLimits<'_> {
         moves_within(&drive, &walk, self.floor.regions(robot).stop_radius_m(loaded, w.sigma_m) + room_m)
     }
 
-    /// How a worker will walk on, as far as that is known: along the path, straight on without one, and from where
-    /// there is work to do in any direction as soon as it is done, or a while later.
+    /// How a worker will walk on, as far as that is known: along the path; without one, straight on; from a place of
+    /// work, in any direction as soon as the work is done, or a while later.
     pub fn walk_of(
         &self,
         worker: WorkerId,
@@ -385,8 +386,8 @@ impl SpeedLimits<'_> {
         Walk { way, speed_mps: if sets_off && speed < STROLL_MPS { GAIT_MPS } else { speed }, waits_s: 0.0 }
     }
 
-    /// Whether a robot within region 2 may drive on to the end of what it was granted: the worker stands, and
-    /// it does not lead into region 1. Else it could not be at rest when the worker comes.
+    /// Whether a robot within region 2 may drive on to the end of what it was granted: the worker stands, and the grant
+    /// does not lead into region 1. Otherwise the robot could not be at rest when the worker comes.
     fn may_finish(&self, robot: RobotId, w: &Whereabouts, loaded: bool) -> bool {
         let clear_m = self.floor.regions(robot).stop_radius_m(loaded, w.sigma_m) + ROOM_M;
         let leaves_room = self
@@ -396,9 +397,9 @@ impl SpeedLimits<'_> {
         w.velocity.norm() < STROLL_MPS && leaves_room
     }
 
-    /// Whether a robot's next piece of way leads away from a person: what it was granted, or back where it is called
-    /// to. A robot that drives back, or has yielded there for long, may also pass, if that is no nearer than it is
-    /// already; so may any robot past a person who stands, since neither gets anywhere while the robot stands in the
+    /// Whether a robot's next piece of way leads away from a person: along what it was granted, or back where it is
+    /// called to. A robot that drives back, or has yielded there for long, may also pass, if that is no nearer than it
+    /// is already; so may any robot past a person who stands, since neither gets anywhere while the robot stands in the
     /// way.
     pub(crate) fn drives_away(&self, robot: RobotId, at: Point, w: &Whereabouts, now: Time) -> bool {
         let back = self.drives_back_to(robot);
@@ -416,7 +417,7 @@ impl SpeedLimits<'_> {
         !lax && stands(w) && self.next_place(robot).is_some_and(passes)
     }
 
-    /// Where a robot drives to next: back where it is called to, or along what it was granted.
+    /// The place to which a robot drives next: back where it is called to, or along what it was granted.
     fn next_place(&self, robot: RobotId) -> Option<Point> {
         let next = || self.floor.granted_ahead(robot).next();
         self.drives_back_to(robot).or_else(|| next().map(|v| self.floor.warehouse().nodes[v.node].at))
@@ -449,7 +450,7 @@ fn stands(w: &Whereabouts) -> bool {
     w.presence == Presence::Tracked && w.velocity.norm() < STROLL_MPS
 }
 
-/// Whether the way from one place to the next leads off a person: within 60° of straight away.
+/// Whether the way from one place to the next leads away from a person: within 60° of straight away.
 fn leads_off(at: Point, there: Point, from: Point) -> bool {
     let (on, off) = (there - at, at - from);
     on.dot(&off) > 0.5 * on.norm() * off.norm()

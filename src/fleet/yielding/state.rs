@@ -1,4 +1,4 @@
-//! What is kept in mind about giving way: of each robot, of the published procedure, of encounters that have begun.
+//! What is remembered about giving way: of each robot, of the published procedure, of encounters that have begun.
 //!
 //! Main types: [`Yielding`], [`Procedure`]. Refuses: to decide.
 
@@ -10,27 +10,27 @@ use giveway_floor::time::{Span, Time};
 use giveway_people::aware::Meter;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is kept in mind about giving way, from step to step. Lost at a restart, and found out again.
+/// What is remembered about giving way, from step to step. Lost at a restart, and found out again.
 #[derive(Clone, Debug, Default)]
 pub struct Yielding {
-    /// For each robot.
+    /// What is remembered of each robot.
     pub state: YieldingState,
-    /// The published reaction, where that is what the fleet is to use.
+    /// The published procedure, if the fleet is to use it.
     pub procedure: Procedure,
     /// Encounters that have begun.
     pub meter: Meter,
-    /// What each of them has cost the robot's task so far.
+    /// What each open encounter has cost the robot's task so far.
     pub costs: BTreeMap<(WorkerId, RobotId), EncounterCost>,
 }
 
-/// When the task that a robot had when an encounter began was planned to end: then, and when it was looked at last.
+/// When the task that a robot had when an encounter began is planned to end: at that time, and when last looked at.
 #[derive(Clone, Copy, Debug)]
 pub struct EncounterCost {
     /// The task.
     pub task: Task,
-    /// When it was to end as the encounter began.
+    /// When the task was to end as the encounter began.
     pub planned: Time,
-    /// When it is to end now, or ended.
+    /// When the task is to end now, or ended.
     pub expected: Time,
 }
 
@@ -41,23 +41,23 @@ impl EncounterCost {
     }
 }
 
-/// The procedure in progress.
+/// The published procedure in progress.
 #[derive(Clone, Debug, Default)]
 pub struct Procedure {
     /// The worker for whom robots stand, and since when.
     pub(super) running: Option<(WorkerId, Time)>,
-    /// Workers who left their path meanwhile.
+    /// Workers who left their path while the procedure ran, and for whom it is to run next.
     pub(super) queue: BTreeSet<WorkerId>,
     /// The path that was expected of each worker who was told to stop.
     pub(super) stopped: BTreeMap<WorkerId, Vec<Point>>,
-    /// Robots that are planned anew after it.
+    /// Robots that are still to be replanned after the procedure.
     pub(super) again: BTreeSet<RobotId>,
-    /// When it ended last: what the worker was told then binds robots from the next step on.
+    /// When the procedure last ended: what the worker was told then binds robots from the next step on.
     pub(super) ended: Option<Time>,
 }
 
 impl Procedure {
-    /// Whether a robot gets no further grants.
+    /// Whether the procedure keeps a robot from further grants.
     pub fn holds(&self, robot: RobotId) -> bool {
         self.running.is_some() || self.again.contains(&robot)
     }

@@ -1,7 +1,7 @@
 //! Between two steps: does a pose mean that a robot or a worker has to stop, so that the next step should not wait?
 //!
-//! Nothing is decided here and nothing changes; the step that follows decides, with everything that it knows.
-//! Costs one look at each robot and one close look at those nearby.
+//! Nothing is decided here and nothing changes; the next step decides, with everything that it knows. Costs one look at
+//! each robot and one close look at those nearby.
 
 use crate::people::state::HumanState;
 use crate::state::floor::Floor;
@@ -18,12 +18,12 @@ use giveway_people::human::{Sighting, SightingOutcome, Whereabouts};
 const STANDS_MPS: f64 = 0.05;
 /// Robots farther away stop for no person, metres.
 const NEAR_M: f64 = 8.0;
-/// Robots that were not seen for longer are not guessed to have driven on.
+/// How long after a robot was seen it is assumed to have driven on at most.
 const OLD: Span = Span::from_millis(200);
 
 impl Yielding {
-    /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
-    /// the worker to stand, if the worker was not told yet.
+    /// Whether a step that took in this sighting now would, as things were last seen, stop a robot that drives, or tell
+    /// the worker to stand who was not told yet.
     pub(crate) fn calls_for_stop(
         &self,
         floor: Floor<'_>,
@@ -62,7 +62,7 @@ impl Yielding {
     }
 }
 
-/// Where a person is as seen from a robot, which has driven on since it was seen.
+/// Where a person is as seen from a robot that has driven on since it was seen.
 fn seen_from(place: &Whereabouts, robot: &Telemetry, now: Time) -> Whereabouts {
     let age = (now - robot.seen).clamp(Span::ZERO, OLD);
     let ahead = Vector::new(robot.pose.heading.cos(), robot.pose.heading.sin());
