@@ -1,4 +1,4 @@
-//! Robots whose jobs cannot go on because of one that cannot drive: they give the jobs back and do others meanwhile.
+//! Robots whose jobs cannot go on because of a robot that cannot drive give them back and do others meanwhile.
 //!
 //! Main function: [`give_back_blocked`]. Refuses: to touch a robot that has lifted its rack; traffic has it set that
 //! down first.

@@ -1,8 +1,8 @@
 //! Robots whose rack was just picked from and is wanted at a station again, so that it need not be put away first.
 //!
-//! Main type: [`ChainedJob`]. Such a job saves ways, and no more than that: it is matched together with all others, and
-//! a more urgent one is not passed by. Refuses: to keep a robot at a station for a place at another one, and to let the
-//! robots behind it wait for jobs that are less urgent than theirs.
+//! Main type: [`ChainedJob`]. Such a job saves ways, and no more than that: it is matched together with all others, so
+//! a more urgent one is not passed over. Refuses: to keep a robot at a station for a place at another one, and to let
+//! the robots behind it wait for jobs that are less urgent than theirs.
 
 use crate::dispatch::enough::with_enough_racks;
 use crate::state::fact::Task;
@@ -16,11 +16,11 @@ use giveway_floor::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use giveway_floor::time::Time;
 use std::cmp::Reverse;
 
-/// By so much may the jobs of robots behind it be more urgent, milliseconds: half of what a priority is worth, for
-/// they wait no longer than a rack is picked from.
+/// How much more urgent the jobs of robots behind may be, milliseconds: two steps of priority, since these robots wait
+/// no longer than a rack is picked from.
 pub const CHAIN_BEHIND_MS: i64 = 240_000;
-/// So many times as long as it takes to put a rack away does it cost in the end: it is put away, some robot drives
-/// there again, and brings it back.
+/// Putting a rack away costs this many times the way in the end: the rack is put away, some robot drives there again,
+/// and brings it back.
 const WAYS: i64 = 3;
 /// How long it takes to set a rack down and to lift another one, milliseconds.
 const SETS_DOWN_MS: i64 = 10_000;
@@ -38,7 +38,7 @@ pub(super) struct ChainedJob {
 }
 
 impl ChainedJob {
-    /// What the robot does if it gets the job.
+    /// The task of the robot if it gets the job.
     pub fn task(&self) -> Task {
         Task::Deliver { job: self.job, rack: self.rack, station: self.station, store: self.store }
     }
@@ -98,7 +98,7 @@ impl Room {
 }
 
 impl Floor<'_> {
-    /// The most urgent job for the rack on a robot, if that is a delivery which it can go on with at once.
+    /// The most urgent job for the rack on a robot, if that is a delivery with which the robot can go on at once.
     fn chain(&self, robot: RobotId, room: &Room, now: Time) -> Option<ChainedJob> {
         let record = &self.ledger.robots[robot];
         let Task::Store { job: None, rack, store } = record.task else { return None };
@@ -116,8 +116,8 @@ impl Floor<'_> {
         Some(ChainedJob { robot, job, rack, station, store })
     }
 
-    /// Whether a robot with the rack of a job could go on with it at once. True for jobs that bring the rack to
-    /// storage.
+    /// Whether a robot that has the rack of a job could go on with the job at once. True for jobs that bring the rack
+    /// to storage.
     fn can_go_on(&self, robot: RobotId, id: JobId, urgency_ms: i64, room: &Room, now: Time) -> bool {
         let job = &self.ledger.jobs[&id];
         let Some(station) = job.request.kind.station() else { return true };
@@ -135,8 +135,8 @@ impl Floor<'_> {
             && self.restrictions.cut_off.blocks_for_long(station, now).is_none()
     }
 
-    /// What a robot saves that goes on with its chain and does not put the rack away, milliseconds of robots: the way
-    /// there, and those of the robot that fetches the rack for that job later.
+    /// What a robot saves by going on with its chain instead of putting the rack away, milliseconds of robots: the way
+    /// there, and the ways of the robot that fetches the rack for the job later.
     pub(super) fn saves_ms(&self, chain: &ChainedJob) -> i64 {
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let way_m = along_axes(at(self.ledger.node_of(chain.robot)), at(chain.store));
@@ -144,7 +144,7 @@ impl Floor<'_> {
     }
 }
 
-/// What it saves not to put a rack away over so many metres, milliseconds of robots.
+/// What is saved by not putting a rack away over this many metres, milliseconds of robots.
 pub fn chain_saves_ms(way_m: f64, speed_loaded_mps: f64) -> i64 {
     WAYS * ((way_m / speed_loaded_mps * 1000.0) as i64 + SETS_DOWN_MS)
 }

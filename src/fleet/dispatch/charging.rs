@@ -1,10 +1,10 @@
 //! When robots charge: which may take a job, which go to a charger, and which leave one for another robot.
 //!
-//! Settings: [`Charging`](crate::state::kind::Charging) of the robot's kind. A robot below `low` charges before
-//! it works if a charger is free, and works on if none is; below `critical` it takes no job, gives back the one that it
-//! has not begun, and is next at a charger: the fullest robot that stands at one leaves it. A robot that rests at a
-//! parking place leaves it likewise for one that a customer sends there. Refuses: to trust a battery that says nothing
-//! is left; that robot has failed.
+//! Settings: [`Charging`](crate::state::kind::Charging) of the robot's kind. A robot below `low` charges before it
+//! works if a charger is free, and works on if none is; below `critical` it takes no job, gives back a job that it has
+//! not begun, and is next at a charger: the fullest robot at one leaves it. Likewise a robot that rests at a parking
+//! place leaves it for a robot that a customer sends there. Refuses: to trust a battery that says nothing is left; that
+//! robot has failed.
 
 use crate::state::fact::{Purpose, RobotFact, Task};
 use crate::state::floor::Floor;
@@ -17,10 +17,10 @@ use giveway_floor::warehouse::NodeKind;
 
 /// A robot leaves its charger for a critical one only if it has this much more charge.
 const MARGIN: f64 = 0.1;
-/// An idle robot looks this often whether it stands in the way of a rack that is wanted.
+/// How often an idle robot checks whether it stands in the way of a rack that is wanted.
 const LOOKS: Span = Span::from_secs(5);
 
-/// Robots with too little charge give back what they have not begun.
+/// Has robots with too little charge give back jobs that they have not begun.
 pub(crate) fn give_back_jobs(writer: &mut Writer, now: Time) {
     for robot in writer.ledger().present() {
         let Task::Fetch { job: Some(job), node, .. } = writer.ledger().robots[robot].task else { continue };
@@ -35,8 +35,7 @@ pub(crate) fn give_back_jobs(writer: &mut Writer, now: Time) {
 }
 
 /// What idle robots without a job do: charge if they should, lowest first, make room at chargers, and leave places
-/// where they are in the way.
-/// Gives the robots that have lost a place which they were promised.
+/// where they are in the way. Returns the robots that have lost a place that they were promised.
 pub(crate) fn rest(writer: &mut Writer, mut robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
     robots.sort_by(|a, b| writer.floor().battery(*a).total_cmp(&writer.floor().battery(*b)).then(a.cmp(b)));
     let (mut without, mut to_park) = (Vec::new(), Vec::new());
@@ -58,8 +57,8 @@ pub(crate) fn rest(writer: &mut Writer, mut robots: Vec<RobotId>, now: Time) -> 
     if without.is_empty() { Vec::new() } else { lapse_promises(writer, now) }
 }
 
-/// Takes their places at chargers from robots that have no prospect of getting there. Those that need one then get it,
-/// the emptiest first, and so do these when they can drive again.
+/// Takes places at chargers from robots that have no prospect of getting there. Robots that need a charger then get
+/// one, the emptiest first, and so do these robots when they can drive again.
 fn lapse_promises(writer: &mut Writer, now: Time) -> Vec<RobotId> {
     let floor = writer.floor();
     let lapses = |r: &RobotId| floor.is_sent_to_a_charger(*r) && floor.has_no_prospect(*r, now);
@@ -86,7 +85,7 @@ fn send_to_charger(writer: &mut Writer, robot: RobotId) -> bool {
     true
 }
 
-/// Sends a robot that stands where it may not stay, or in the way of a rack that is wanted, somewhere else.
+/// Sends a robot somewhere else that stands where it may not stay, or in the way of a rack that is wanted.
 fn leave_the_way(writer: &mut Writer, robot: RobotId, now: Time) {
     let node = writer.ledger().node_of(robot);
     let may_stay = writer.warehouse().nodes[node].kind.is_lasting() && !writer.floor().is_closing(node);
@@ -100,7 +99,7 @@ fn leave_the_way(writer: &mut Writer, robot: RobotId, now: Time) {
     }
 }
 
-/// For each robot without a charger, one that has enough leaves its charger, the fullest first.
+/// For each robot without a charger, a robot that has enough charge leaves its charger, the fullest first.
 fn make_room_at_chargers(writer: &mut Writer, without: &[RobotId], now: Time) {
     let leaving = writer.ledger().present().filter(|r| writer.floor().leaves_charger(*r)).count();
     for needs in without.iter().skip(leaving) {
@@ -114,7 +113,7 @@ fn make_room_at_chargers(writer: &mut Writer, without: &[RobotId], now: Time) {
     }
 }
 
-/// For each robot that is sent to park and finds no place, one that rests at a parking place leaves it for a place
+/// For each robot that is sent to park and finds no place, a robot that rests at a parking place leaves it for a place
 /// beside racks, the fullest first.
 fn make_room_to_park(writer: &mut Writer, without: &[RobotId], now: Time) {
     let leaving = writer.ledger().present().filter(|r| writer.floor().leaves_parking(*r)).count();
@@ -134,7 +133,7 @@ fn move_to(writer: &mut Writer, robot: RobotId, stay: NodeId, purpose: Purpose) 
 }
 
 impl Floor<'_> {
-    /// Whether some charger is free for a robot that is not at one.
+    /// Whether a charger is free for a robot that is low and not at one.
     pub(crate) fn a_charger_is_free(&self) -> bool {
         let low = |r: &RobotId| self.battery(*r) < self.charging(*r).low && !self.at_charger(*r);
         self.ledger.present().find(low).is_some_and(|r| self.free_charger(r).is_some())
@@ -153,12 +152,12 @@ impl Floor<'_> {
         }
     }
 
-    /// The share of a full charge that so many metres take a robot.
+    /// The share of a full charge that a robot uses for this many metres.
     pub(crate) fn charge_for(&self, robot: RobotId, way_m: f64) -> f64 {
         way_m / self.kinematics(robot).speed_mps / (self.charging(robot).driving_h * 3600.0)
     }
 
-    /// Whether a robot has the charge for this job by name.
+    /// Whether a robot has the charge for this job, which names it.
     pub(crate) fn may_begin(&self, robot: RobotId, job: JobId) -> bool {
         let kind = &self.ledger.jobs[&job].request.kind;
         matches!(kind, JobKind::Charge { .. }) || !self.is_critical(robot)
@@ -192,7 +191,7 @@ impl Floor<'_> {
         rests.max_by(|a, b| self.battery(*a).total_cmp(&self.battery(*b)).then(b.cmp(a)))
     }
 
-    /// Whether a robot that takes no job, cannot carry the rack, or is not chosen for it stands beneath one that
+    /// Whether a robot that takes no job, cannot carry the rack, or is not chosen for it stands beneath a rack that
     /// waiting jobs ask for: no other robot is sent there.
     fn is_in_the_way(&self, robot: RobotId, node: NodeId, now: Time) -> bool {
         let turn = (now.0 / self.settings.period.0) % (LOOKS.0 / self.settings.period.0).max(1);
@@ -203,7 +202,7 @@ impl Floor<'_> {
         (is_no_use || self.is_for_another(robot, rack, now)) && self.ledger.index().queue.is_wanted(rack)
     }
 
-    /// Whether a waiting job for a rack is one that a robot may not do, since an operator chose another one.
+    /// Whether a waiting job for a rack is one that a robot may not do because an operator chose another robot.
     fn is_for_another(&self, robot: RobotId, rack: RackId, now: Time) -> bool {
         let chosen = self.ledger.index().chosen.iter().map(|id| &self.ledger.jobs[id]);
         let mut of_rack = chosen.filter(|job| job.request.kind.rack() == Some(rack));

@@ -1,7 +1,7 @@
-//! Stations for which enough racks wait: no robot fetches another one for them.
+//! Stations for which enough racks wait: robots fetch no more racks for them.
 //!
-//! Main function: [`with_enough_racks`]. Dispatch goes by it, and what is shown of waiting jobs. Refuses: to say which
-//! robot has its turn; traffic does.
+//! Main function: [`with_enough_racks`]. Dispatch uses it, and so does the display of waiting jobs. Refuses: to say
+//! which robot has its turn; traffic does.
 
 use crate::state::floor::Floor;
 use crate::state::needs::Needs;
@@ -12,15 +12,15 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A rack that waits longer than this for a place at its station has waited for long.
 const LONG: Span = Span::from_secs(60);
 
-/// Stations for which enough robots wait with their racks, or which are paused, or blocked for long by a robot that
-/// cannot drive: fetching another rack now would leave its robot waiting while others need it.
+/// Stations for which enough robots with racks wait, or which are paused, or which a robot that cannot drive or a
+/// closed area has blocked for long: fetching another rack now would leave its robot waiting while others need it.
 pub(crate) fn stations_with_enough(floor: Floor<'_>, needs: &Needs, now: Time) -> BTreeSet<StationId> {
     let paused = floor.ledger.paused_stations.keys().copied();
     let blocked = floor.restrictions.cut_off.blocked_for_long(now);
     with_enough_racks(floor, needs, now).into_keys().chain(paused).chain(blocked).collect()
 }
 
-/// Stations for which enough robots wait with their racks, each with the one that has waited for the longest.
+/// Stations for which enough robots with racks wait, each with the robot that has waited for the longest.
 pub(crate) fn with_enough_racks(floor: Floor<'_>, needs: &Needs, now: Time) -> BTreeMap<StationId, RobotId> {
     let mut waiting: BTreeMap<StationId, (usize, Span, RobotId)> = BTreeMap::new();
     for robot in floor.ledger.present().filter(|r| floor.waits_for_room(*r)) {
@@ -38,9 +38,9 @@ pub(crate) fn with_enough_racks(floor: Floor<'_>, needs: &Needs, now: Time) -> B
     full.map(|(s, (_, _, first))| (s, first)).collect()
 }
 
-/// How many robots with their racks may wait for a station, whose queue takes `places`, before no robot fetches
-/// another: twice as many where the line moves, so that there are some to choose from where ways are long and crowded;
-/// as many once one has waited for long, or the last one to set off had, or none has yet; none while the line stands.
+/// How many robots with racks may wait for a station with this many places before robots fetch no more: twice as many
+/// as places if the line moves, so that there are some to choose from if ways are long and crowded; as many as places
+/// once a robot has waited for long, or the last one to set off had, or none has yet; none while the line stands.
 fn enough(places: usize, last: Option<Span>, longest: Span) -> usize {
     match () {
         () if longest > LONG * 3 => 0,

@@ -10,7 +10,7 @@ use giveway_floor::time::Time;
 use std::cmp::Reverse;
 
 impl Floor<'_> {
-    /// Robots with nothing to do that could do something.
+    /// Robots that have nothing to do and could do something.
     pub(crate) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
         let idle = |r: &RobotId| {
             let record = &self.ledger.robots[*r];
@@ -20,7 +20,7 @@ impl Floor<'_> {
         self.ledger.present().filter(idle).collect()
     }
 
-    /// The job that a robot is to do next by name: the most urgent one. Nothing where none can start.
+    /// The job that a robot is to do next by name: the most urgent one; nothing if none can start.
     pub fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
         let index = self.ledger.index();
         let mut ready = index.named_for(robot).filter(|id| !index.waits.is_blocked(*id)).peekable();

@@ -1,4 +1,4 @@
-//! Fourth phase: which robot gets which waiting job? Idle robots and those that were just picked from are matched with
+//! Fourth phase: which robot gets which waiting job? Idle robots and robots that were just picked from are matched with
 //! jobs all together, at the least sum of costs.
 //!
 //! Refuses: first come, first served; and to give a job to a robot that should charge first.
@@ -29,11 +29,11 @@ use std::collections::{BTreeMap, BTreeSet};
 /// How many waiting jobs and idle robots one step matches at most.
 const JOBS: usize = 128;
 const ROBOTS: usize = 64;
-/// What it costs that the station has as many racks under way as places, per rack beyond.
+/// Cost of each rack that is under way to a station beyond half of its places, milliseconds.
 const CONGESTION_MS: i64 = 8_000;
 
-/// Gives jobs to robots, and sends those without a job where they are wanted or in no other robot's way. `picked` are
-/// those that have just been picked from. Gives the robots that have lost a place which they were promised.
+/// Gives jobs to robots, and sends robots without a job where they are wanted or in no other robot's way. `picked` are
+/// the robots that have just been picked from. Returns the robots that have lost a place that they were promised.
 pub(crate) fn assign(
     writer: &mut Writer,
     needs: &Needs,
@@ -56,7 +56,7 @@ pub(crate) fn assign(
     rest(writer, resting, now)
 }
 
-/// Jobs for a robot that the customer named: one for each idle robot, before any rack.
+/// Gives idle robots the jobs that name them: one for each robot, before any rack.
 fn assign_named(writer: &mut Writer, planners: &mut Planners, now: Time) {
     for robot in writer.floor().idle_robots(now) {
         if let Some(job) = writer.floor().named_job_for(robot).filter(|j| writer.floor().may_begin(robot, *j))
@@ -67,7 +67,7 @@ fn assign_named(writer: &mut Writer, planners: &mut Planners, now: Time) {
 }
 
 /// Sends an idle robot where a job says. The job waits while there is no place for it, and while closed areas or broken
-/// robots are on all ways; it fails where no way leads.
+/// robots are on all ways; it fails if no way leads there.
 fn begin_named(writer: &mut Writer, planners: &mut Planners, robot: RobotId, job: JobId, now: Time) {
     let floor = writer.floor();
     let errand = floor.ledger.jobs[&job].request.kind.errand();
@@ -92,9 +92,9 @@ fn begin_named(writer: &mut Writer, planners: &mut Planners, robot: RobotId, job
     writer.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
 }
 
-/// Gives rack jobs to idle robots, and to those that were just picked from jobs for the racks that they have; gives
-/// back the idle robots that got none. A robot with a rack for which a job in storage is worth more puts the rack away,
-/// and is idle then.
+/// Gives rack jobs to idle robots, and to robots that were just picked from jobs for the racks that they have. Returns
+/// the idle robots that got none. If a job in storage is worth more for a robot than one for its own rack, the robot
+/// puts its rack away, and is idle then.
 fn assign_racks(
     writer: &mut Writer,
     needs: &Needs,
@@ -120,7 +120,7 @@ fn assign_racks(
     let mut found = least_cost(&cost);
     let goes_on = |(i, column): (usize, &Option<usize>)| *column == Some(jobs.len() + i);
     if !few.is_empty() && !found[few.len()..].iter().enumerate().all(goes_on) {
-        // A job for which a rack is put away first waits for no robot that is idle already.
+        // No job that an idle robot can take now is left to a robot that first has to put its rack away.
         found[..few.len()].copy_from_slice(&least_cost(&cost[..few.len()]));
     }
     for ((robot, _), column) in few.iter().zip(&found) {
@@ -141,8 +141,8 @@ fn assign_racks(
     left
 }
 
-/// What it costs that each robot does each job, milliseconds. Rows are idle robots, then those of chains; columns are
-/// jobs for racks in storage, then those of chains, then as many as rows that mean none.
+/// The cost of each job for each robot, milliseconds. Rows are idle robots, then the robots of chains; columns are jobs
+/// for racks in storage, then the jobs of chains, then as many columns for no job as there are rows.
 fn costs(
     floor: Floor<'_>,
     few: &[(RobotId, Ways)],
@@ -173,7 +173,7 @@ fn costs(
     let carriers = chains.iter().enumerate().map(|(i, chain)| {
         let here = floor.ledger.node_of(chain.robot);
         let own = congestion(chain.job, here) - queue.urgency_ms(chain.job, now, &oldest);
-        // One that is to charge would take no other job.
+        // A robot that is to charge would take no other job.
         let ways = match floor.is_charged(chain.robot, charger_is_free) {
             true => floor.ways_from(chain.robot, chain.store, jobs, now),
             false => vec![None; jobs.len()],
@@ -183,9 +183,9 @@ fn costs(
     idle.chain(carriers).collect()
 }
 
-/// Waiting jobs whose rack stands in storage and no robot moves, with their urgency, most urgent first; one per
-/// rack. A rack above a robot that is not one of the idle ones, which come by number, is left out: no other robot can
-/// get beneath it. So is a job that none of the idle robots and of those that could go on with their racks may do.
+/// Waiting jobs whose rack stands in storage and is moved by no robot, with their urgency, most urgent first; one per
+/// rack. A rack above a robot that is not one of the idle ones, which are sorted by number, is left out: no other robot
+/// can get beneath it. So is a job that neither an idle robot nor one that could go on with its rack may do.
 fn candidates(
     floor: Floor<'_>,
     needs: &Needs,
@@ -211,13 +211,13 @@ fn candidates(
             continue;
         }
         let is_open = |id: &JobId| !floor.job_is_closed_off(&floor.ledger.jobs[id].request.kind, node);
-        // A job that is for another robot keeps these from none that is behind it.
+        // A job that is for another robot does not keep these robots from the jobs behind it.
         let is_theirs = |id: &JobId| {
             let job = &floor.ledger.jobs[id];
             let is_for = |r: &RobotId| job.request.is_for(floor.warehouse(), floor.body(*r), (rack, node));
             robots.iter().chain(carriers).any(|r| floor.is_allowed(*r, job, now) && is_for(r))
         };
-        // Only relocations in one line have goals of their own: behind one that is closed may be one that is not.
+        // Only relocations in one line have goals of their own: behind a closed one may be an open one.
         let has_one_goal = floor.ledger.jobs[&id].request.kind.station().is_some();
         let is_shut = floor.is_shut_off(node) || has_one_goal && !is_open(&id);
         let mut all = std::iter::once(id).chain(queue.behind(id).take_while(|_| !is_shut));
@@ -242,13 +242,13 @@ fn candidates(
 }
 
 impl Floor<'_> {
-    /// The node itself if robots may stay there, whichever robot is there now; else some other place to stay.
+    /// The node itself if robots may stay there, whichever robot is there now; else another place to stay.
     fn stay_for(&self, robot: RobotId, node: NodeId) -> Option<NodeId> {
         let lasting = self.warehouse().nodes[node].kind.is_lasting();
         if lasting { Some(node) } else { self.any_stay(robot) }
     }
 
-    /// For each robot, how long its ways to the racks of these jobs take.
+    /// For each robot, how long its ways to the racks of these jobs take, milliseconds.
     fn ways(
         &self,
         robots: &[RobotId],
@@ -258,7 +258,7 @@ impl Floor<'_> {
         robots.iter().map(|r| (*r, self.ways_from(*r, self.ledger.node_of(*r), jobs, now))).collect()
     }
 
-    /// How long a robot's ways from a node to the racks of these jobs take.
+    /// How long a robot's ways from a node to the racks of these jobs take, milliseconds.
     fn ways_from(
         &self,
         robot: RobotId,
@@ -271,8 +271,8 @@ impl Floor<'_> {
     }
 
     /// How long the robot's way from a node to a rack takes, milliseconds; nothing if another robot stands there for
-    /// ever, or the robot is not of a kind for the job, or its charge does not last for it, or a broken robot stands
-    /// between, or an operator wants another robot to do it.
+    /// ever, the robot is not of a kind for the job, its charge does not last for it, a broken robot stands between, or
+    /// an operator wants another robot to do it.
     pub(crate) fn way_ms(
         &self,
         (robot, from): (RobotId, NodeId),
@@ -315,7 +315,7 @@ impl Floor<'_> {
         under_way
     }
 
-    /// What it costs that many racks are on their way to the job's station already.
+    /// The cost of many racks being under way to the job's station already, milliseconds.
     fn congestion(&self, job: JobId, under_way: &IdVec<StationId, usize>) -> i64 {
         let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return 0 };
         let places = self.warehouse().stations[station].queue.len() + 1;
@@ -323,11 +323,11 @@ impl Floor<'_> {
     }
 }
 
-/// How long a robot's ways to the racks of some jobs take, milliseconds; nothing where it cannot do the job.
+/// How long a robot's ways to the racks of some jobs take, milliseconds; nothing for a job that it cannot do.
 type Ways = Vec<Option<i64>>;
 
-/// The robots that one step matches, by number, and those that are left over: the ones nearest to some rack, so that
-/// a robot that alone can do a job has its turn however many cannot.
+/// The robots that one step matches, by number, and the robots that are left over. Those nearest to some rack are
+/// matched, so that a robot that alone can do a job has its turn however many others cannot.
 fn nearest(mut robots: Vec<(RobotId, Ways)>) -> (Vec<(RobotId, Ways)>, Vec<RobotId>) {
     if robots.len() <= ROBOTS {
         return (robots, Vec::new());

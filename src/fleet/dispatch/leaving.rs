@@ -11,16 +11,16 @@ use crate::state::writer::Writer;
 use giveway_floor::id::{JobId, RobotId};
 use giveway_floor::time::{Span, Time};
 
-/// A robot that rests where it ends, or cannot drive, is gone when it has been silent for so long: somebody switched
+/// A robot that rests where it ends, or cannot drive, is gone when it has been silent for this long: a person switched
 /// it off.
 const SWITCHED_OFF: Span = Span::from_secs(10);
-/// Any other one is gone after this: a robot that only cannot be heard drives on to the end of what it was granted.
+/// Any other robot is gone after this: a robot that merely cannot be heard drives on to the end of what it was granted.
 const TAKEN_AWAY: Span = Span::from_secs(60);
-/// One whose link is down is gone after this: while it is, silence says little, but that of a robot which was switched
-/// off may stay down.
+/// A robot whose link is down is gone after this: silence says little meanwhile, but the link of a robot that was
+/// switched off may stay down.
 const CUT_OFF: Span = Span::from_secs(600);
 
-/// Robots that were to leave, and are heard of no more, have left.
+/// Lets robots leave that were to leave and are no longer heard of.
 pub(crate) fn let_leave(writer: &mut Writer, now: Time) {
     for robot in writer.ledger().present() {
         if !writer.floor().has_left(robot, now) {
@@ -37,7 +37,7 @@ pub(crate) fn let_leave(writer: &mut Writer, now: Time) {
         }
         tracing::info!(robot = writer.ledger().robots[robot].name, "a robot has left the floor");
         writer.record(RobotFact::Left { robot, at: now });
-        // Whatever is heard of it from now on is news.
+        // What is heard of the robot from now on is news.
         writer.scene.forget(robot);
     }
 }
@@ -50,14 +50,14 @@ impl Floor<'_> {
             return false;
         }
         let seen = self.scene.robot(robot);
-        // Before its first report after a start it may stand anywhere, and drive.
+        // Before its first report after a start, the robot may stand anywhere, or drive.
         let heard = self.scene.silent_since(robot).or(self.scene.began()).unwrap_or(now).max(since);
         let chain = self.ledger.chain(robot);
         let rests = record.task == Task::Idle && chain.first() + 1 == chain.end();
-        // It may have set off since: orders are sent to a robot that cannot say that it drives.
+        // The robot may have set off since: orders are sent to a robot that cannot say that it drives.
         let has_ended = |t: &Telemetry| t.speed_mps == 0.0 && t.reached + 1 >= chain.granted();
         let stays = rests || seen.is_some_and(|t| t.cannot_drive() || record.failed && has_ended(t));
-        // A link that the site has no more will not come back.
+        // A link that the site no longer has will not come back.
         let is_cut_off = self.settings.links.contains(&record.link) && !self.scene.is_connected(robot);
         let patience = match is_cut_off {
             true => CUT_OFF,

@@ -1,6 +1,6 @@
-//! Where robots in maintenance go, and those that are to leave.
+//! Where robots in maintenance go, and robots that are to leave.
 //!
-//! Refuses: to say which robots those are; operators do.
+//! Refuses: to say which robots these are; operators do.
 
 use crate::state::fact::{Purpose, RobotFact, Task};
 use crate::state::job::JobState;
@@ -9,8 +9,8 @@ use crate::state::writer::Writer;
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
 
-/// Robots in maintenance give back jobs that they have not begun, and go to a parking place. Where none is free
-/// they rest where they are.
+/// Has robots in maintenance give back jobs that they have not begun, and go to a parking place. If none is free, they
+/// rest where they are.
 pub(crate) fn send_to_maintenance(writer: &mut Writer, now: Time) {
     for robot in writer.ledger().present() {
         let record = &writer.ledger().robots[robot];

@@ -1,7 +1,7 @@
 //! Which robot does which job with which rack, and when robots charge.
 //!
 //! Main functions: [`jobs::assign`] (at the least sum of costs: `assignment.rs`), [`charging::rest`].
-//! Refuses: to plan routes, and to keep anything in mind from step to step.
+//! Refuses: to plan routes, and to remember anything from step to step.
 
 pub(crate) mod assignment;
 pub(crate) mod blocked;

@@ -1,7 +1,7 @@
-//! How much work is on its way to each work cell, in seconds: which station is in want of the next rack?
+//! How much work is on its way to each work cell, in seconds: which station needs the next rack most?
 //!
-//! Main function: `lack_of_work`. A rack with one screw and one with five boxes are not the same to a station. Refuses:
-//! to count racks where lines say how long each takes.
+//! Main function: `lack_of_work`. A rack with one screw and a rack with five boxes are not the same to a station.
+//! Refuses: to count racks if lines say how long each takes.
 
 use crate::state::floor::Floor;
 use crate::state::job::JobState;
@@ -10,12 +10,12 @@ use crate::state::storage::along_axes;
 use giveway_floor::id::{IdVec, JobId, NodeId, StationId};
 use giveway_floor::time::{Span, Time};
 
-/// From the end of a visit until the next rack stands there, seconds.
+/// Time from the end of a visit until the next rack stands there, seconds.
 const TURNOVER_S: f64 = 6.5;
-/// From the assignment of a job until its rack is lifted, seconds.
+/// Time from the assignment of a job until its rack is lifted, seconds.
 const FETCH_S: f64 = 20.0;
 impl Floor<'_> {
-    /// For each work cell how many seconds of work are there or on their way; nothing where lines are not counted.
+    /// For each work cell, how many seconds of work are there or on their way; nothing if lines are not counted.
     pub(super) fn work_ahead(&self, now: Time) -> Option<IdVec<StationId, f64>> {
         let has_cell = self.warehouse().stations.iter().any(|s| s.cell.is_some());
         if !has_cell || !self.settings.flow.counts_lines() {
