@@ -16,7 +16,7 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::walkway::Walkways;
 
 /// Takes all inputs in: observations of robots go to the scene, requests become facts or refusals. `walkways` is where
-/// workers can walk, `lost` those of whom nobody knows where they are.
+/// workers can walk, `lost` are the workers whose place is not known.
 pub(crate) fn absorb(
     writer: &mut Writer,
     (walkways, lost): (&Walkways, &[WorkerId]),
@@ -28,7 +28,7 @@ pub(crate) fn absorb(
     intake.heard
 }
 
-// A new request that nothing carries out must not compile.
+// A new request that no code carries out must not compile.
 #[deny(clippy::wildcard_enum_match_arm)]
 impl Intake<'_> {
     /// Takes all inputs in.
@@ -65,9 +65,9 @@ impl Intake<'_> {
         }
     }
 
-    /// Whether this report is older than what is durable of its robot. Just after a start no number tells, since none
-    /// has come yet. A robot does not go back behind what it has left; one that still says so when others would count
-    /// as silent is believed.
+    /// Whether this report is older than what is durable of its robot. Just after a start the number of a report does
+    /// not tell, since none has come yet. A robot does not go back behind what it has left; a robot that still reports
+    /// so when others would count as silent is believed.
     fn is_from_before(&self, t: &Telemetry, now: Time) -> bool {
         let scene = &self.writer.scene;
         let is_first = scene.robot(t.robot).is_none();

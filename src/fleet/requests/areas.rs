@@ -13,7 +13,7 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
 
 impl Intake<'_> {
-    /// Whether an area can be closed.
+    /// Checks that an area can be closed.
     fn check_area(&self, area: &Closure) -> Result<(), Refusal> {
         if area.outline.len() < 3 || area.window.start() >= area.window.end() {
             return Err(Refusal::Area(AreaRefusal::Empty));
@@ -60,7 +60,7 @@ impl Intake<'_> {
         Ok(Answer::Series(series))
     }
 
-    /// A closure recurs no more; what is announced of it, or in force, ends.
+    /// Ends a recurring closure, and its occurrences that are announced or in force.
     pub(super) fn end_series(&mut self, series: SeriesId, now: Time) -> Answered {
         if !self.writer.ledger().recurring.contains_key(&series) {
             return Err(Refusal::Area(AreaRefusal::UnknownSeries(series)));
@@ -73,7 +73,7 @@ impl Intake<'_> {
         Ok(Answer::Done)
     }
 
-    /// Everybody is to leave the building; said again, it changes nothing.
+    /// Begins an evacuation; asked for again, it changes nothing.
     pub(super) fn evacuate(&mut self, now: Time) -> Answered {
         if self.writer.warehouse().nodes_where(|k| k == NodeKind::Exit).is_empty() {
             return Err(Refusal::Area(AreaRefusal::NoExits));

@@ -1,9 +1,9 @@
-//! Robot arms at work cells take lines, pick them beside the hand, and give them back where something is wrong.
+//! Robot arms at work cells take lines, pick them beside the hand, and give them back if something is wrong.
 //!
-//! Main functions: `hear_arm`, `move_arms`. A line for the arm alone waits for it; one for either is the arm's if the
-//! hand will not come to it before the arm is done. If an arm is silent, late, or reports what it cannot have come to,
-//! it gets no trajectory and all its lines go to the hand, else the visit would never end. Refuses: to give the arm the
-//! line that is lit, and to count a piece that nobody has put down.
+//! Main functions: `hear_arm`, `move_arms`. A line for the arm alone waits for the arm; a line for either is the arm's
+//! if the hand will not come to it before the arm is done. If an arm is silent, late, or reports a place to which it
+//! cannot have come, it gets no trajectory and all its lines go to the hand, or else the visit would never end.
+//! Refuses: to give the arm the line that is lit, and to count a piece that was not put down.
 
 use crate::requests::intake::Intake;
 use crate::requests::visit::OnVisit;
@@ -15,17 +15,17 @@ use giveway_floor::id::{JobId, StationId};
 use giveway_floor::time::{Span, Time};
 use giveway_people::reach::PickModel;
 
-/// A line for either is the arm's if this share of what the hand takes for its other lines is enough for it …
+/// A line for either is the arm's if the arm needs at most this share of what the hand takes for its other lines.
 const ENOUGH: f64 = 0.6;
-/// … and goes back to the hand if the visit would end sooner by this, seconds.
+/// A line for either goes back to the hand if the visit would end sooner by this, seconds.
 const GAINS_S: f64 = 1.5;
-/// What the arm takes at least from before a slot to the tote, seconds.
+/// How long the arm takes at least from before a slot to the tote, seconds.
 const AT_LEAST_S: f64 = 4.0;
-/// A hand that is not out for so long is about to be in again.
+/// A hand that has been out for less than this is about to be in again.
 const OUT_FOR: Span = Span::from_millis(200);
 
 impl Intake<'_> {
-    /// Takes in what an arm says.
+    /// Takes in an arm's report.
     pub(super) fn hear_arm(&mut self, said: &ArmSaid, now: Time) {
         let station = said.station;
         let Some(post) = self.writer.arms.post(station) else {
@@ -65,7 +65,7 @@ impl Intake<'_> {
         }
     }
 
-    /// Whether a line of the visit that is on is the arm's.
+    /// Whether a line of the visit in progress is the arm's.
     fn is_arms(&self, job: JobId, line: usize) -> bool {
         let lines = self.writer.ledger().jobs.get(&job).and_then(|job| job.lines_now());
         lines.and_then(|lines| lines.all().get(line)).is_some_and(|p| p.state == LineState::Arm)
@@ -75,7 +75,7 @@ impl Intake<'_> {
         self.writer.record(JobFact::LineChanged { job, line, change, at: now });
     }
 
-    /// A task whose visit or line is over, or which the arm cannot do, is the arm's no more.
+    /// Takes from the arm a task whose visit or line is over, or which the arm cannot do.
     fn withdraw(&mut self, station: StationId, visit: Option<OnVisit>, now: Time) {
         let Some(post) = self.writer.arms.post(station) else { return };
         let gives_up = post.arm.gives_up();
@@ -97,7 +97,7 @@ impl Intake<'_> {
         }
     }
 
-    /// Which lines of a visit are the arm's. Those that it cannot pick are the hand's.
+    /// Decides which lines of a visit are the arm's. Lines that the arm cannot pick are the hand's.
     fn share_lines(&mut self, station: StationId, visit: OnVisit, now: Time) {
         let Some(face) = self.face(station, Some(visit)) else { return };
         let Some((_, lines)) = self.lines_under(visit.robot) else { return };
@@ -135,7 +135,7 @@ impl Intake<'_> {
             let fits = |n: &usize| is_for_arm(&lines.all()[*n], takes[*n]) && reaches(*n) == Some(true);
             (0..lines.all().len()).rev().find(fits)
         });
-        // Somebody may be there whose hands are not seen.
+        // A person may be there whose hands are not seen.
         let is_clear = post.sight.is_fresh(now) || lines.lit().is_none();
         let begins = chosen.filter(|_| is_well && is_clear && post.line.is_none() && post.arm.is_free());
         if let Some(n) = begins {
@@ -144,7 +144,7 @@ impl Intake<'_> {
             post.arm.begin(ArmTask { slot: p.line.slot, tote, pieces: p.left() });
             (post.line, post.piece_since) = (Some((visit.job, n)), now);
         }
-        // What the arm has not reached yet the hand may be sooner at.
+        // The hand may be sooner at a line that the arm has not reached yet.
         let own = post.line.filter(|(job, _)| *job == visit.job && begins.is_none() && post.arm.can_leave());
         let spent_s = (now - post.piece_since).as_secs_f64();
         let sooner = |n: &usize| is_sooner_by_hand(&lines.all()[*n], takes[*n], spent_s) && !back.contains(n);
@@ -179,7 +179,7 @@ impl Intake<'_> {
         self.writer.move_arm(order.map(|order| ArmOrder { line, ..order }));
     }
 
-    /// A person lets the rack go: an arm of which nothing is heard is out of it.
+    /// Takes it that an arm of which nothing is heard is out of the rack, since a person lets the rack go.
     pub(super) fn vouch_for_arm(&mut self, station: StationId, now: Time) {
         if let Some(post) = self.writer.arms.post(station).filter(|post| post.arm.trouble(now).is_some()) {
             post.arm.vouch_outside();
@@ -197,22 +197,22 @@ impl Intake<'_> {
 /// How long hand and arm take, seconds.
 #[derive(Clone, Copy)]
 struct TakenBy {
-    /// The hand for all its lines.
+    /// How long the hand takes for all its lines.
     hand_s: f64,
-    /// The hand for this line.
+    /// How long the hand takes for this line.
     line_s: f64,
-    /// The arm for a piece.
+    /// How long the arm takes for a piece.
     arm_piece_s: f64,
 }
 
-/// Whether a line for either is one that the arm has done before the hand is done with the others.
+/// Whether the arm would be done with a line for either before the hand is done with the others.
 fn is_for_arm(line: &LineProgress, takes: TakenBy) -> bool {
     let is_open = matches!(line.state, LineState::Open | LineState::Undone);
     let is_soon = |t: TakenBy| t.arm_piece_s * f64::from(line.left()) <= ENOUGH * (t.hand_s - t.line_s);
     is_open && line.line.by == PickedBy::Either && is_soon(takes)
 }
 
-/// Whether the visit ends sooner if the hand picks what the arm has been at for so long.
+/// Whether the visit ends sooner if the hand picks the line at which the arm has been for this long.
 fn is_sooner_by_hand(line: &LineProgress, takes: TakenBy, spent_s: f64) -> bool {
     let is_sooner = |t: TakenBy| {
         let arm_s = (t.arm_piece_s * f64::from(line.left()) - spent_s).max(AT_LEAST_S);

@@ -1,6 +1,6 @@
 //! A customer changes a job that no robot has yet.
 //!
-//! Refuses: to change what a robot works on; that would have to be cancelled and submitted anew.
+//! Refuses: to change a job on which a robot works; it would have to be cancelled and submitted again.
 
 use crate::requests::intake::Intake;
 use crate::state::fact::JobFact;
@@ -45,7 +45,7 @@ impl Intake<'_> {
     }
 }
 
-/// What is wanted then. The kind itself and its rack stay.
+/// What is wanted after a change. The kind itself and its rack stay.
 fn changed_kind(kind: JobKind, change: &JobChange) -> Result<JobKind, Refusal> {
     let JobChange { station, robot, .. } = *change;
     let before = kind.parts();

@@ -1,7 +1,7 @@
 //! Robots that join, go to maintenance and come back, and leave.
 //!
-//! A robot that is to leave finishes what it has begun like one in maintenance, and is gone once it has not been heard
-//! of for a while. One that is registered again under its name comes back.
+//! A robot that is to leave finishes what it has begun, like a robot in maintenance, and is gone once it has not been
+//! heard of for a while. A robot that is registered again under its name comes back.
 //! A robot in maintenance finishes what it has begun, takes no more jobs, and rests at a parking place until an
 //! operator lets it work again: a restart forgets none of that. Refuses: robots on places that others hold, and of
 //! unknown kinds.
@@ -15,7 +15,7 @@ use giveway_floor::id::{Dense, NodeId, RobotId};
 use giveway_floor::time::{Time, Window};
 
 impl Intake<'_> {
-    /// A robot joins; one of this name is the same robot, wherever it stands by now.
+    /// Lets a robot join; a robot of a known name is the same robot, wherever it stands by now.
     pub(crate) fn register(
         &mut self,
         (name, kind, link): (String, String, Option<String>),
@@ -37,7 +37,7 @@ impl Intake<'_> {
             return Err(Refusal::UnknownPlace);
         }
         let robot = known.unwrap_or(RobotId::at(self.writer.ledger().robots.len()));
-        // A hold that should be over by the plan is one until the robot has left.
+        // A hold that should be over by the plan still counts until the robot has left.
         let (warehouse, ever) = (self.writer.warehouse(), Window::new(Time(i64::MIN), Time::MAX));
         let body = warehouse.body_of(&kind);
         if !warehouse.may_be_at(body, node) {
@@ -55,7 +55,7 @@ impl Intake<'_> {
             None => Fact::Robot(RobotFact::Registered { robot, name, kind, node, at: now }),
             Some(_) => Fact::Robot(RobotFact::Returned { robot, kind, node, at: now }),
         });
-        // It has the usual link until it is said to have another one.
+        // The robot has the usual link until it is said to have another one.
         if self.writer.ledger().robots[robot].link != link {
             self.writer.record(RobotFact::Linked { robot, link });
         }
@@ -75,7 +75,7 @@ impl Intake<'_> {
         Err(Refusal::Robot(refused))
     }
 
-    /// A robot goes to maintenance; one that leaves goes on leaving.
+    /// Sends a robot to maintenance; a robot that leaves goes on leaving.
     pub(crate) fn begin_maintenance(&mut self, robot: RobotId, now: Time) -> Answered {
         if self.service_of(robot)? == Service::Works {
             self.writer.record(RobotFact::Maintenance { robot, since: Some(now) });
@@ -83,7 +83,7 @@ impl Intake<'_> {
         Ok(Answer::Done)
     }
 
-    /// A robot comes back from maintenance, or does not leave after all.
+    /// Brings a robot back from maintenance, or lets it stay on the floor after all.
     pub(crate) fn end_maintenance(&mut self, robot: RobotId) -> Answered {
         match self.service_of(robot)? {
             Service::Works | Service::Gone { .. } => {}
@@ -94,7 +94,7 @@ impl Intake<'_> {
         Ok(Answer::Done)
     }
 
-    /// A robot is to leave the floor.
+    /// Has a robot leave the floor.
     pub(crate) fn retire(&mut self, robot: RobotId, now: Time) -> Answered {
         if !matches!(self.service_of(robot)?, Service::Leaving { .. }) {
             self.writer.record(RobotFact::Retired { robot, at: now });

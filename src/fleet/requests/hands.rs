@@ -1,8 +1,8 @@
 //! Hands at work cells confirm lines, let a rack go at the last grasp, and are warned.
 //!
 //! Main function: `hear_hands`. A line is confirmed by a grasp in its slot and a stop in its tote, by a hand that was
-//! seen all the way; what was not seen so, a button decides. No rack leaves while a hand is seen inside. Refuses: to
-//! confirm by guessing.
+//! seen all the way; otherwise a button decides. No rack leaves while a hand is seen inside. Refuses: to confirm by
+//! guessing.
 
 use crate::requests::intake::Intake;
 use crate::requests::visit::OnVisit;
@@ -18,14 +18,14 @@ use giveway_floor::id::{Dense, JobId, NodeId, RobotId, StationId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::SlotName;
 
-/// Clocks of headsets may be ahead by so much.
+/// How far the clocks of headsets may be ahead.
 const AHEAD: Span = Span::from_millis(200);
 
-/// A robot that is told to stop brakes after so long, seconds, and stands so far before an opening that its rack is not
-/// in it, metres.
+/// How long after it is told to stop a robot brakes, seconds, and how far before an opening it stands so that its rack
+/// is not in it, metres.
 const BRAKES_AFTER_S: f64 = 0.3;
 const STOPS_BEFORE_M: f64 = 1.2;
-/// One that is held there stays so until it is farther away by this, metres.
+/// A robot that is held there stays so until it is farther away by this, metres.
 const STAYS_M: f64 = 0.6;
 
 /// A line that waits for a piece.
@@ -37,7 +37,7 @@ struct WaitingLine {
 }
 
 impl Intake<'_> {
-    /// Takes in hands of a person in a workplace.
+    /// Takes in the hands of a person in a workplace.
     pub(super) fn hear_hands(&mut self, seen: &HandsSeen, now: Time) {
         let station = seen.station;
         self.show_picker(seen);
@@ -71,13 +71,13 @@ impl Intake<'_> {
         self.writer.floor().lit_line(station, visit.job)
     }
 
-    /// The line of the rack before that is not confirmed yet.
+    /// The line of the previous rack that is not confirmed yet.
     fn unconfirmed(&self, station: StationId) -> Option<WaitingLine> {
         self.writer.floor().unconfirmed_line(station)
     }
 
-    /// A piece was put into a tote: it confirms the line that waits for it, of the rack that is there or of the one
-    /// before; where that is not sure, a wrong tote is warned of alone.
+    /// Takes in a piece that was put into a tote: it confirms the line that waits for it, of the rack that is there or
+    /// of the one before. If the piece is not sure, only a wrong tote is warned of.
     fn hear_of_piece(
         &mut self,
         seen: &HandsSeen,
@@ -108,7 +108,7 @@ impl Intake<'_> {
         }
     }
 
-    /// Ends the visit whose last line is confirmed and whose rack was kept because of a hand; or whose last pieces are
+    /// Ends the visit if its last line is confirmed and its rack was kept because of a hand, or if its last pieces are
     /// in hands that are out of the opening.
     fn let_go(&mut self, station: StationId, face: &PickFace, now: Time) {
         let Some(visit) = self.visit_at(station, now) else { return };
@@ -119,7 +119,7 @@ impl Intake<'_> {
         {
             return;
         }
-        // Nobody knows where a hand is that was inside when it was seen last: then a button ends the visit.
+        // It is not known where a hand is that was last seen inside: then a button ends the visit.
         let may_be_inside = self.writer.visits.hands_at(station).may_be_inside(face);
         let ends_out = self.writer.floor().ends_out(&self.writer.ledger().jobs[&visit.job]);
         let (ledger, visits) = self.writer.ledger_and_visits();
@@ -136,8 +136,8 @@ impl Intake<'_> {
         }
     }
 
-    /// Lets racks go that were kept because of hands which are out, and notes which robots must not move because of
-    /// others.
+    /// Lets racks go that were kept because of hands that are out now, and notes which robots must not move because of
+    /// other hands.
     pub(super) fn let_kept_go(&mut self, now: Time) {
         let held = self.writer.visits.begin_hands();
         let mut at_hands = self.writer.visits.hands_inside(now);
@@ -170,7 +170,7 @@ impl Intake<'_> {
     }
 }
 
-/// What a step that took in these hands now would warn of.
+/// The warning that a step would give that took in these hands now.
 pub(crate) fn warning_of(floor: Floor<'_>, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
     let station = seen.station;
     if station.ix() >= floor.warehouse().stations.len() || !floor.settings.flow.hears_hands() {
@@ -191,8 +191,8 @@ pub(crate) fn warning_of(floor: Floor<'_>, seen: &HandsSeen, now: Time) -> Optio
 }
 
 impl Floor<'_> {
-    /// The station among these, with their nodes, at which a robot is that is not picked from, or to which it will have
-    /// come unless it brakes now. One that is held already stays held a little farther away.
+    /// The station, among these with their nodes, at which a robot is that is not picked from, or to which it will have
+    /// come unless it brakes now. A robot that is held already stays held a little farther away.
     fn comes_to(&self, robot: RobotId, nodes: &[(NodeId, StationId)], is_held: bool) -> Option<StationId> {
         let speed_mps = self.scene.robot(robot).map_or(0.0, |seen| seen.speed_mps);
         let loaded = self.ledger.rack_on(robot).is_some();
@@ -201,7 +201,7 @@ impl Floor<'_> {
         let reach_m = brakes_m + speed_mps * BRAKES_AFTER_S + stops_before_m;
         let (mut at, mut way_m) = (self.place_of(robot), 0.0);
         for (n, visit) in self.ledger.chain(robot).visits().enumerate() {
-            // It has left the centre of the first one, or is there.
+            // The robot has left the centre of the first node, or is there.
             if n > 0 {
                 let next = self.warehouse().nodes[visit.node].at;
                 (way_m, at) = (way_m + (next - at).norm(), next);

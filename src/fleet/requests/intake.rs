@@ -11,7 +11,7 @@ use giveway_floor::warehouse::walkway::Walkways;
 pub(super) struct Intake<'a> {
     pub writer: &'a mut Writer,
     pub walkways: &'a Walkways,
-    /// Workers of whom no source knows where they are.
+    /// Workers of whose place no source knows.
     pub lost: &'a [WorkerId],
     pub heard: StepNews,
 }

@@ -1,4 +1,4 @@
-//! Requests about jobs: they are handed in and cancelled.
+//! Requests about jobs: they are submitted and cancelled.
 //!
 //! Refuses: to give a job to a robot.
 
@@ -15,7 +15,7 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
 
 impl Intake<'_> {
-    /// A job is accepted, whole or not at all; the same client key makes no second one.
+    /// Accepts a job, whole or not at all; the same client key makes no second one.
     pub(super) fn submit(&mut self, request: JobRequest, now: Time) -> JobTaken {
         if let Some(job) = request.key.as_ref().and_then(|k| self.writer.ledger().keys.get(k)) {
             return Ok(Made { id: *job, new: false });
@@ -60,7 +60,7 @@ impl Intake<'_> {
 }
 
 impl Floor<'_> {
-    /// Everything that a job names exists, and some robots can do it at all of its stations.
+    /// Checks that everything that a job names exists, and that some robots can do the job at all of its stations.
     pub(super) fn check_request(&self, request: &JobRequest) -> Result<(), Refusal> {
         let w = self.warehouse();
         if request.then.iter().any(|v| v.station.ix() >= w.stations.len()) {
@@ -77,7 +77,7 @@ impl Floor<'_> {
         self.check_kinds(request)
     }
 
-    /// Each line must be one that can be picked at its station.
+    /// Checks that each line can be picked at its station.
     fn check_lines(&self, request: &JobRequest, visits: Vec<StationId>) -> Result<(), Refusal> {
         if request.lines.is_empty() {
             return Ok(());
@@ -118,7 +118,7 @@ impl Floor<'_> {
         Ok(())
     }
 
-    /// Some kind of robots must be able to do it, or that of the robot which the customer names.
+    /// Checks that some robot kind can do the job, or the kind of the robot that the customer names.
     fn check_kinds(&self, request: &JobRequest) -> Result<(), Refusal> {
         let w = self.warehouse();
         let kind = &request.kind;
@@ -136,14 +136,14 @@ impl Floor<'_> {
         if fits { Ok(()) } else { Err(Refusal::Rack(RackRefusal::NoKindFor(rack))) }
     }
 
-    /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to
-    /// where it may stay.
+    /// The task with which a robot goes on when its job is over before its task is: it brings its rack to storage, or
+    /// goes to where it may stay.
     pub(super) fn task_without_job(&self, robot: RobotId) -> Task {
         match self.ledger.robots[robot].task {
             Task::Deliver { rack, store, .. } | Task::Store { rack, store, .. } => {
                 Task::Store { job: None, rack, store }
             }
-            // A robot that may drive to the rack already will lift it, and puts it back then.
+            // A robot that may already drive to the rack will lift it, and then puts it back.
             Task::Fetch { rack, node, .. } if self.next_stop_is_granted(robot) => {
                 Task::Fetch { job: None, rack, node }
             }

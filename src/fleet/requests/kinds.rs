@@ -1,7 +1,7 @@
-//! Kinds of robots that are added while the fleet works, and removed again.
+//! Robot kinds that are added during operation, and removed again.
 //!
-//! Refuses: to change kinds of the site, and kinds that robots are of; also where they have left, since they may come
-//! back. Whether the floor was drawn for a kind is found out before it is asked for: that takes too long for a step.
+//! Refuses: to change kinds of the site, and kinds that robots have, even robots that have left, since they may come
+//! back. Whether the floor was drawn for a kind is checked before the request: that takes too long for a step.
 
 use crate::requests::intake::Intake;
 use crate::state::fact::FloorFact;
@@ -12,7 +12,7 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::MOST_BODIES;
 
 impl Intake<'_> {
-    /// Robots of a kind may join. The same kind once more changes nothing.
+    /// Lets robots of a kind join. The same kind once more changes nothing.
     pub(super) fn put_kind(&mut self, kind: Box<RobotKind>, now: Time) -> Answered {
         let ledger = self.writer.ledger();
         let (kinds, name) = (ledger.kinds(), kind.name.clone());
@@ -37,7 +37,7 @@ impl Intake<'_> {
         Ok(Answer::Kind(Made { id: self.writer.warehouse().body_of(&name), new }))
     }
 
-    /// No robots of an added kind may join any more.
+    /// Lets robots of an added kind no longer join.
     pub(super) fn remove_kind(&mut self, name: String, now: Time) -> Answered {
         let kinds = self.writer.ledger().kinds();
         if kinds.is_of_site(&name) {

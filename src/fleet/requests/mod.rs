@@ -1,8 +1,8 @@
-//! What is asked for becomes a fact or a refusal: jobs, robots that join, workers and their assignments, closures, what
+//! Requests become facts or refusals: jobs, robots that join, workers and their assignments, closures, and what
 //! operators, stations and people beside broken robots say.
 //!
-//! Main function: [`absorb()`]; it gives what others are to hear, [`StepNews`](crate::state::heard::StepNews).
-//! Refuses: to decide anything about robots.
+//! Main function: [`absorb()`]; it returns what later parts of the step need,
+//! [`StepNews`](crate::state::heard::StepNews). Refuses: to decide anything about robots.
 
 mod absorb;
 mod areas;

@@ -1,9 +1,8 @@
-//! What people decide by hand: the whole fleet or one robot stands until a person lets it go on; a waiting job
-//! comes earlier or later.
+//! What people decide by hand: the whole fleet or one robot stands until a person lets it go on.
 //!
-//! It is a fact, so a restart forgets none of it. Robots are told to stand at once, before the fact is durable.
-//! Refuses: to be an emergency stop, which is the robot's own; and to take back what was promised: a robot that stands
-//! keeps its holds, and those behind wait.
+//! Such an order is a fact, so a restart forgets none of it. Robots are told to stand at once, before the fact is
+//! durable. Refuses: to be an emergency stop, which is the robot's own; and to take back what was promised: a robot
+//! that stands keeps its holds, and robots behind it wait.
 
 use crate::requests::intake::Intake;
 use crate::state::fact::FloorFact;
@@ -14,7 +13,7 @@ use giveway_floor::id::{Dense, RobotId};
 use giveway_floor::time::Time;
 
 impl Intake<'_> {
-    /// One robot, or the whole fleet, is to stand.
+    /// Has one robot, or the whole fleet, stand.
     pub(crate) fn halt(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
         if self.writer.floor().halted_since(robot)?.is_none() {
             self.writer.record(FloorFact::Halted { robot, at: now });
@@ -22,7 +21,8 @@ impl Intake<'_> {
         Ok(Answer::Done)
     }
 
-    /// It may go on. A robot that was paused, or is fenced off, stays so when the fleet goes on.
+    /// Lets one robot, or the whole fleet, go on. A robot that was paused, or is fenced off, stays so when the fleet
+    /// goes on.
     pub(crate) fn release(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
         let fenced =
             robot.is_some_and(|r| self.writer.ledger().robots.get(r).is_some_and(|r| r.fenced.is_some()));

@@ -1,8 +1,8 @@
 //! People take a rack off a robot that cannot drive, and say where they set it down.
 //!
 //! Main function: `take_rack_off`. The rack is in storage from then on, and its job goes on from there: a delivery
-//! waits for another robot, a rack that was to be stored there is. Refuses: to take a rack from a robot that can
-//! drive, and a node that is taken, or that a robot is to drive over.
+//! waits for another robot, a job to store the rack there is done. Refuses: to take a rack from a robot that can drive,
+//! and a node that is taken, or that a robot is to drive over.
 
 use crate::requests::intake::Intake;
 use crate::state::fact::{RobotFact, Task};
@@ -16,7 +16,7 @@ use giveway_floor::time::{Time, Window};
 use giveway_floor::warehouse::NodeKind;
 
 impl Intake<'_> {
-    /// A rack stands on a storage node now, and not on the robot any more.
+    /// Notes that a rack now stands on a storage node, and no longer on the robot.
     pub(crate) fn take_rack_off(&mut self, rack: RackId, node: NodeId, now: Time) -> Answered {
         let robot = self.robot_to_unload(rack, node, now)?;
         self.writer.record(RobotFact::RackTaken { robot, rack, node, at: now });
@@ -39,7 +39,7 @@ impl Intake<'_> {
         Ok(Answer::Done)
     }
 
-    /// The robot that has a rack on it, if people may have set that down on a node.
+    /// The robot that has a rack on it, if people may have set that rack down on a node.
     fn robot_to_unload(&self, rack: RackId, node: NodeId, now: Time) -> Result<RobotId, Refusal> {
         let (ledger, floor) = (&self.writer.ledger(), self.writer.floor());
         if rack.ix() >= ledger.racks.len() || node.ix() >= self.writer.warehouse().nodes.len() {

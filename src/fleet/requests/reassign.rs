@@ -14,10 +14,10 @@ use crate::state::request::{Answer, Answered};
 use giveway_floor::id::{Dense, JobId, RackId, RobotId};
 use giveway_floor::time::{Span, Time};
 
-/// For how long a robot does not get a job that was taken from it. Another one has it by then, or none can.
+/// How long a robot does not get a job that was taken from it. By then another robot has the job, or none can.
 pub(crate) const STAYS_AWAY: Span = Span::from_secs(120);
 
-/// For how long a job waits for the robot that was chosen for it. A choice that nobody can keep must not hold a job for
+/// How long a job waits for the robot that was chosen for it. A choice that no robot can meet must not hold a job for
 /// ever.
 pub(crate) const BINDS: Span = Span::from_secs(300);
 

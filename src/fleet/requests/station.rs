@@ -1,9 +1,9 @@
-//! Stations say when a pick has ended, and whether they work at all.
+//! Stations report when a pick has ended, and whether they work at all.
 //!
 //! Main function: `hear_station`. A pick lasts until the person at the station says that it is done, or that goods were
-//! missing; how long it was planned to take only decides when others come. A paused station gets no more racks; those
-//! in its queue wait. A visit with order lines ends with the last of them. Refuses: to end a pick by the clock, and one
-//! that has not begun.
+//! missing; how long it was planned to take only decides when other robots come. A paused station gets no more racks;
+//! racks in its queue wait. A visit with order lines ends with the last of them. Refuses: to end a pick by the clock,
+//! and to end one that has not begun.
 
 use crate::requests::intake::Intake;
 use crate::state::fact::{FloorFact, JobFact, RouteFact};
@@ -16,7 +16,7 @@ use giveway_floor::id::{Dense, RobotId, StationId};
 use giveway_floor::time::Time;
 
 impl Intake<'_> {
-    /// Takes in what a station says.
+    /// Takes in a station's report.
     pub(crate) fn hear_station(&mut self, station: StationId, order: StationOrder, now: Time) -> Answered {
         if station.ix() >= self.writer.warehouse().stations.len() {
             return Err(Refusal::UnknownPlace);
@@ -59,8 +59,8 @@ impl Intake<'_> {
         Ok(Answer::Done)
     }
 
-    /// Takes in what is said about a line. The visit ends with its last one. What the hand has just confirmed, a button
-    /// confirms once more.
+    /// Takes in a report about a line. The visit ends with its last line. If a button confirms what the hand has just
+    /// confirmed, that counts once.
     fn hear_of_line(
         &mut self,
         station: StationId,
@@ -91,7 +91,8 @@ impl Intake<'_> {
         Ok(Answer::Line(noted?))
     }
 
-    /// A button for a line of the visit that is on. Pieces that the hand has just confirmed are not confirmed again.
+    /// Takes in a button press for a line of the visit in progress. Pieces just confirmed by hand are not confirmed
+    /// again.
     fn press(
         &mut self,
         robot: RobotId,
@@ -120,8 +121,8 @@ impl Intake<'_> {
         Ok(noted)
     }
 
-    /// What is said about the line that was not confirmed when its rack left, if there is one: about that with this
-    /// number, or the one that is lit.
+    /// Takes in a report about the line that was not confirmed when its rack left, if there is one: about the line with
+    /// this number or, without a number, the lit one.
     fn hear_of_last(
         &mut self,
         station: StationId,
@@ -139,7 +140,7 @@ impl Intake<'_> {
         }))
     }
 
-    /// What is left of the visit is picked, as a person says, or short.
+    /// Settles the lines that are left of a visit: picked, as a person says, or short.
     fn settle_lines(&mut self, robot: RobotId, done: bool, now: Time) {
         let Some((job, lines)) = self.lines_under(robot) else { return };
         let left: Vec<_> =
@@ -150,7 +151,7 @@ impl Intake<'_> {
         }
     }
 
-    /// Nobody picks for a job that was cancelled: the robot need not wait.
+    /// Ends the pick for a job that was cancelled: no person picks for it, so the robot need not wait.
     pub(crate) fn end_cancelled_pick(&mut self, robot: RobotId) {
         if self.writer.ledger().is_picked_from(robot) {
             self.writer.record(RouteFact::Acted { robot, serial: self.writer.ledger().chain(robot).first() });

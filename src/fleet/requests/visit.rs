@@ -1,6 +1,6 @@
-//! The visit that is on at a work cell: its lines change, and it ends, but not while a hand is inside.
+//! The visit in progress at a work cell: its lines change, and it ends, but not while a hand is inside.
 //!
-//! Main type: [`OnVisit`]. Refuses: to know who says so, a button or a hand.
+//! Main type: [`OnVisit`]. Refuses: to observe; buttons and hands report.
 
 use crate::requests::intake::Intake;
 use crate::state::fact::{JobFact, RouteFact, Task};
@@ -14,7 +14,7 @@ use giveway_floor::id::{JobId, RobotId, StationId};
 use giveway_floor::time::Time;
 use std::sync::Arc;
 
-/// The visit that is on at a station.
+/// The visit in progress at a station.
 #[derive(Clone, Copy)]
 pub(super) struct OnVisit {
     pub robot: RobotId,
@@ -22,16 +22,16 @@ pub(super) struct OnVisit {
 }
 
 impl Intake<'_> {
-    /// The job for which a robot is picked from, with the lines of this visit, if it has lines.
+    /// The job for which a robot is picked from, with the lines of this visit, if it has any.
     pub(super) fn lines_under(&self, robot: RobotId) -> Option<(JobId, &Lines)> {
         let ledger = &self.writer.ledger();
         let job = ledger.robots[robot].task.job()?;
         Some((job, ledger.jobs.get(&job)?.lines_now()?))
     }
 
-    /// Changes a line of the visit for which a robot is picked from. The visit ends with its last line, unless a hand
-    /// is inside: then when it is out. Of a hand that was inside when it was seen last nobody knows where it is, until
-    /// a button is pressed.
+    /// Changes a line of the visit for which a robot is picked from. The visit ends with its last line or, if a hand is
+    /// inside then, when the hand is out. It is not known where a hand is that was last seen inside, until a button is
+    /// pressed.
     pub(super) fn change_line(
         &mut self,
         robot: RobotId,
@@ -69,7 +69,8 @@ impl Intake<'_> {
         }
     }
 
-    /// Ends the pick at which a robot stands: its job ends so, if it is not over already, and the robot may leave.
+    /// Ends the pick at which a robot stands: its job gets this state, if it is not over already, and the robot may
+    /// leave.
     pub(super) fn end_pick(&mut self, robot: RobotId, state: JobState, now: Time) {
         if let Some(station) = self.writer.floor().station_of(robot) {
             self.writer.visits.keep(station, false);
@@ -105,15 +106,15 @@ impl Intake<'_> {
         Some(OnVisit { robot, job })
     }
 
-    /// The rack's face at a station: of the rack that stands there, or of the one before.
+    /// The rack's face at a station: of the rack that stands there, or of the rack before.
     pub(super) fn face(&mut self, station: StationId, visit: Option<OnVisit>) -> Option<Arc<PickFace>> {
         let rack = visit.and_then(|v| self.writer.ledger().jobs[&v.job].request.kind.rack());
         let (ledger, visits) = self.writer.ledger_and_visits();
         visits.face(ledger.warehouse(), station, rack).cloned()
     }
 
-    /// Whether a hand is seen inside, or the robot arm is, or two persons are there, while the rack at a station is to
-    /// leave: it waits until that is over.
+    /// Whether the rack at a station has to wait before it leaves: a hand is seen inside, or the robot arm is inside,
+    /// or two people are there.
     pub(super) fn is_hand_inside(&mut self, station: StationId, now: Time) -> bool {
         let visit = self.visit_at(station, now);
         let Some(face) = self.face(station, visit) else { return false };
@@ -122,7 +123,7 @@ impl Intake<'_> {
             || self.writer.visits.is_shared(station, now)
     }
 
-    /// The same, or a hand was inside when it was seen last and nobody has said since that it is out.
+    /// Whether the rack has to wait, or a hand was last seen inside and no one has said since that it is out.
     pub(super) fn may_hand_be_inside(&mut self, station: StationId, now: Time) -> bool {
         let visit = self.visit_at(station, now);
         let lost_inside = self

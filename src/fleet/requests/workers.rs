@@ -1,4 +1,4 @@
-//! Requests about people: who is known, where one is, who is to do what.
+//! Requests about people: which workers are known, where one is, what one is to do.
 //!
 //! Refuses: to plan; what is asked for becomes a fact or a refusal.
 
@@ -13,7 +13,7 @@ use giveway_floor::id::{AssignmentId, Dense, NodeId, WorkerId};
 use giveway_floor::time::Time;
 use std::ops::RangeInclusive;
 
-/// How near to a place a supervisor may say that somebody is, millimetres: an unseen person is taken to get no farther.
+/// Distances from a place that a supervisor may vouch for, millimetres: an unseen person is taken to get no farther.
 const NARROWS_MM: RangeInclusive<i64> = 500..=8000;
 
 impl Intake<'_> {
@@ -23,7 +23,7 @@ impl Intake<'_> {
             return Ok(Answer::Worker(Made { id: worker, new: false }));
         }
         let workers = &self.writer.ledger().workers;
-        // As long as there are others, nobody gets the number of somebody who has gone.
+        // As long as there are other numbers, no worker gets the number of one who has gone.
         let worker = if workers.len() < self.writer.settings.limits.workers {
             WorkerId::at(workers.len())
         } else {
@@ -34,7 +34,7 @@ impl Intake<'_> {
         Ok(Answer::Worker(Made { id: worker, new: true }))
     }
 
-    /// Whoever calls this has seen to it that no list says any more who it was.
+    /// Forgets a worker. The caller has made sure that no list says any more who it was.
     pub(super) fn forget_worker(&mut self, worker: WorkerId, now: Time) -> Answered {
         let ledger = &self.writer.ledger();
         if !ledger.knows(worker) {
@@ -70,7 +70,7 @@ impl Intake<'_> {
         Ok(Answer::Assignment(Made { id: assignment, new: true }))
     }
 
-    /// Whether a worker can get near a node on foot.
+    /// Checks that a worker can get near a node on foot.
     fn check_walkable(&self, place: NodeId) -> Result<(), Refusal> {
         let Some(node) = self.writer.warehouse().nodes.get(place) else { return Err(Refusal::UnknownPlace) };
         match self.walkways.on_floor(node.at) {
@@ -91,7 +91,7 @@ impl Intake<'_> {
         Ok(Answer::Done)
     }
 
-    /// Takes a worker's word for it: the person who did the work knows, and devices may see a worker at the wrong
+    /// Takes the worker's word for it: the person who did the work knows, and devices may see a worker in the wrong
     /// place.
     pub(super) fn finish(&mut self, worker: WorkerId, id: AssignmentId, now: Time) -> Answered {
         if self.writer.ledger().assignments.get(&id).is_none_or(|a| a.worker != Some(worker)) {
@@ -122,7 +122,7 @@ impl Intake<'_> {
         Ok(Answer::Done)
     }
 
-    /// A supervisor has seen where a lost worker is.
+    /// Takes a supervisor's word for where a lost worker is.
     pub(super) fn narrow_worker(
         &mut self,
         worker: WorkerId,
