@@ -1,7 +1,7 @@
 //! What tests of whole floors see of the inside of a fleet.
 //!
 //! Such tests need the simulator, which knows this crate, so they stand outside of it. Main types: [`Internals`],
-//! [`InternalsMut`]. Refuses: anybody but tests; `tests/walls` looks for others.
+//! [`InternalsMut`]. Refuses: use outside tests; `tests/walls` looks for it.
 
 use super::Fleet;
 pub use super::people::blocked::WaysPast;
@@ -20,7 +20,7 @@ pub struct Internals<'a> {
     pub writer: &'a Writer,
     /// Beliefs about people.
     pub people: &'a HumanState,
-    /// Who gives way to whom.
+    /// Which robots give way to which workers.
     pub yielding: &'a Yielding,
     /// Routes and grants.
     pub traffic: &'a Traffic,
@@ -35,13 +35,13 @@ pub struct InternalsMut<'a> {
 }
 
 impl Fleet {
-    /// Its parts.
+    /// The parts of the fleet.
     pub fn internals(&self) -> Internals<'_> {
         let Fleet { writer, people, yielding, traffic, .. } = self;
         Internals { writer, people, yielding, traffic }
     }
 
-    /// Its parts, to change.
+    /// The parts of the fleet, to change.
     pub fn internals_mut(&mut self) -> InternalsMut<'_> {
         let Fleet { writer, traffic, .. } = self;
         InternalsMut { writer, traffic }

@@ -119,7 +119,7 @@ impl HumanState {
     }
 
     /// Has a worker wait for a robot, if there is one and the worker has not waited too long already. Returns whether
-    /// it does.
+    /// the worker waits.
     fn wait_for(
         &mut self,
         floor: Floor<'_>,

@@ -66,7 +66,8 @@ impl HumanState {
             .map(GuidanceReason::PlaceClosed)
     }
 
-    /// An assignment that a worker has begun waits again, if it is not over: its place is closed.
+    /// Has an assignment that a worker has begun wait again, if it is not over, for example because its place is
+    /// closed.
     pub(super) fn lay_aside(writer: &mut Writer, assignment: Option<AssignmentId>, now: Time) {
         let Some(id) = assignment else { return };
         let begun = writer.ledger().assignments.get(&id).is_some_and(|a| a.state != AssignmentState::Waiting);

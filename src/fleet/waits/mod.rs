@@ -1,4 +1,5 @@
-//! What each robot and each worker waits for, noted once in every step: the wait-for graph; and what each robot is at.
+//! What each robot and each worker waits for, noted once in every step: the wait-for graph; and what each robot is
+//! doing.
 //!
 //! Main functions: [`note_waits`], [`note_activities`]. All that is shown or decided about waiting reads the graph
 //! ([`WaitGraph`](crate::state::wait_graph::WaitGraph)), and nothing else finds out why something waits.
@@ -46,7 +47,7 @@ pub(crate) fn note_waits(
     writer.waits = graph;
 }
 
-/// Notes what each robot is at, after [`note_waits`]. O(robots).
+/// Notes what each robot is doing, after [`note_waits`]. O(robots).
 pub(crate) fn note_activities(writer: &mut Writer, now: Time) {
     let mut activities = std::mem::take(&mut writer.activities);
     for robot in writer.ledger().robots.ids() {

@@ -1,8 +1,8 @@
-//! Which robots got another way, because of whom or what: noted for the record after each step, and decided nowhere.
+//! Which robots got another route, and why: recorded after each step, and no input to any decision.
 //!
-//! Main type: [`Replans`]. It compares the way that a robot had for its task with the one that it has since. A robot
-//! that finds a better way past other robots is not noted, since that happens all the time. Costs nothing in steps in
-//! which no route changes. Refuses: more than one note of a robot in five seconds for one cause.
+//! Main type: [`Replans`]. It compares the route that a robot had for its task with the one that it has since. A better
+//! route past other robots is not recorded, since that happens all the time. Costs nothing in steps in which no route
+//! changes. Refuses: more than one record of a robot in five seconds for one cause.
 
 use crate::state::fact::{Booking, Fact, RobotFact, RouteFact, Task};
 use crate::state::floor::Floor;
@@ -16,13 +16,13 @@ use giveway_floor::route::Cause;
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// A robot is noted again for the same cause after this long.
+/// A replan of a robot for the same cause is recorded again after this long.
 const AGAIN: Span = Span::from_secs(5);
 
-/// So many nodes of a way are noted.
+/// How many nodes of a route are recorded.
 const MOST_NODES: usize = 40;
 
-/// What a robot is to do, wherever it ends: a new way for the same is a replan, and for another task it is none.
+/// What a robot is to do, wherever it ends: a new route for the same aim is a replan; for another task it is not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct RouteAim {
     stage: u8,
@@ -43,7 +43,7 @@ impl From<Task> for RouteAim {
     }
 }
 
-/// The way of a robot.
+/// The planned route of a robot.
 #[derive(Clone, Debug)]
 struct PlannedWay {
     aim: RouteAim,
@@ -65,22 +65,22 @@ impl PlannedWay {
     }
 }
 
-/// What is kept in mind about the ways of robots. Lost at a restart.
+/// What is remembered about the routes of robots. Lost at a restart.
 #[derive(Clone, Debug, Default)]
 pub struct Replans {
     ways: BTreeMap<RobotId, PlannedWay>,
-    /// Robots that lost their way and have no other yet.
+    /// Robots that lost their route and have no other yet, each with the cause.
     lost: BTreeMap<RobotId, ReplanCause>,
     last: BTreeMap<RobotId, (ReplanCause, Time)>,
 }
 
 impl Replans {
-    /// Because of what a robot was replanned last, and when.
+    /// Why a robot was last replanned, and when.
     pub fn last(&self, robot: RobotId) -> Option<(ReplanCause, Time)> {
         self.last.get(&robot).copied()
     }
 
-    /// Notes the replans of a step at its end.
+    /// Records the replans of a step at its end.
     pub fn note(&mut self, writer: &mut Writer, yielding: &Yielding, traffic: &Traffic, now: Time) {
         let mut notes = Vec::new();
         let facts = writer.facts();
@@ -115,7 +115,7 @@ impl Replans {
         notes.into_iter().for_each(|note| writer.record(Fact::Noted(note)));
     }
 
-    /// A robot has a route: what there is to note, if it had another one for the same.
+    /// Takes in a robot's new route. Returns what there is to record, if the robot had another route for the same aim.
     fn routed(
         &mut self,
         floor: Floor<'_>,
@@ -140,7 +140,7 @@ impl Replans {
         Some(FloorNote::Replanned { robot, cause, was: spots(&was), now: spots(&nodes), at: now })
     }
 
-    /// Because of whom or what a robot was routed in this step, if not because of other robots.
+    /// Why a robot was routed in this step, if not because of other robots.
     fn cause(
         &self,
         floor: Floor<'_>,
@@ -157,7 +157,7 @@ impl Replans {
         self.lost.get(&robot).copied()
     }
 
-    /// What closes the way that a robot had, if anything does.
+    /// What closes the route that a robot had, if anything does.
     fn in_the_way(&self, floor: Floor<'_>, robot: RobotId) -> Option<ReplanCause> {
         let nodes = self.ways.get(&robot)?.beyond(floor.reached(robot));
         let conditions = floor.conditions(robot);

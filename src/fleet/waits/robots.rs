@@ -1,6 +1,6 @@
-//! Why a robot does not go on, and for which party, if for one.
+//! Why a robot does not go on, and which party it waits for, if any.
 //!
-//! Main type: [`RobotWaits`]. Reasons that a person has to end come first, since they hold whatever else is so.
+//! Main type: [`RobotWaits`]. Reasons that a person has to end come first, since they hold whatever else is true.
 //! Refuses: to walk a chain: one robot, one reason.
 
 use crate::state::cut_off::Barrier;
@@ -17,7 +17,7 @@ use giveway_floor::route::Cause;
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
 
-/// What the reasons of robots follow from, in one step.
+/// What the reasons of robots are derived from, in one step.
 pub(super) struct RobotWaits<'a> {
     floor: Floor<'a>,
     yielding: &'a Yielding,
@@ -45,10 +45,10 @@ impl<'a> RobotWaits<'a> {
             .or_else(|| self.withheld(robot))
     }
 
-    /// Reasons that a person has to end, or the robot itself.
+    /// Reasons that a person, or the robot itself, has to end.
     fn halted(&self, robot: RobotId) -> Option<Why> {
         let record = &self.floor.ledger.robots[robot];
-        // What has to be undone by hand must be shown, whatever else is wrong.
+        // What a person has to undo must be shown, whatever else is wrong.
         if record.paused.is_some() {
             return Some(Why::Paused);
         }
@@ -76,7 +76,7 @@ impl<'a> RobotWaits<'a> {
         scene.fit(robot, now).is_none().then_some(why)
     }
 
-    /// Something that it met; maintenance and leaving, which concern robots without a task.
+    /// What the robot met; also maintenance and leaving, which concern robots without a task.
     fn disturbed(&self, robot: RobotId) -> Option<Why> {
         if let Some(node) = self.floor.obstructed_at(robot, self.now) {
             return Some(Why::Obstructed(node));
@@ -95,7 +95,7 @@ impl<'a> RobotWaits<'a> {
         self.floor.drives_into(robot, back).map(Why::BlockedBy)
     }
 
-    /// It has a task and no route for it, nor one to a place where it can wait.
+    /// The reason of a robot that has a task and no route for it, nor one to a place where it can wait.
     fn without_route(&self, robot: RobotId) -> Option<Why> {
         if !self.floor.lacks_route(robot) || !self.floor.rests(robot) {
             return None;
@@ -107,8 +107,8 @@ impl<'a> RobotWaits<'a> {
         full.and_then(|station| self.outside(robot, station)).or_else(in_vain)
     }
 
-    /// What keeps a robot from setting off to its station: it is paused, or full, or others have its places or come
-    /// before it.
+    /// What keeps a robot from setting off to its station: the station is paused, or full, or other robots have its
+    /// places or come before this one.
     fn outside(&self, robot: RobotId, station: StationId) -> Option<Why> {
         if self.floor.ledger.paused_stations.contains_key(&station) {
             return Some(Why::StationPaused(station));
@@ -117,7 +117,7 @@ impl<'a> RobotWaits<'a> {
         if self.turns_at(station, robot).filter(|t| t.place.is_some()).count() >= places {
             return Some(Why::QueueFull(station));
         }
-        // As long as a place is left, those before it are to set off.
+        // As long as a place is left, the robots before this one are to set off.
         let before = || self.traffic.needs.ahead(self.floor, robot, self.now).next();
         let has_place = || self.turns_at(station, robot).map(|t| t.robot).next();
         let first = if self.bound[station] < places { before() } else { has_place() };
@@ -136,20 +136,20 @@ impl<'a> RobotWaits<'a> {
         !record.is_gone() && (record.failed || self.floor.scene.displaced(other).is_some())
     }
 
-    /// Whether a closure is not over yet; the ledger keeps those that are for a while.
+    /// Whether a closure is not over yet; the ledger keeps closures that are over for a while.
     fn is_closed(&self, closure: ClosureId) -> bool {
         self.floor.ledger.closures.get(&closure).is_some_and(|c| self.now < c.window.end())
     }
 
-    /// Its searches fail: because of a closed area, of something that stands in the way, of a robot that cannot drive,
-    /// or of others that can.
+    /// Why a robot's searches fail: because of a closed area, of something that stands in the way, of a robot that
+    /// cannot drive, or of other robots that can.
     fn no_route(&self, robot: RobotId) -> Why {
         let cut = self.traffic.needs.waiting.get(&robot).and_then(|need| need.cut);
         match cut {
             Some(Barrier::Obstruction(node)) if self.traffic.obstructed_until(node).is_some() => {
                 return Why::WayObstructed(node);
             }
-            // What was so when the search failed may have ended since, in this step too.
+            // What was true when the search failed may have ended since, even in this step.
             Some(Barrier::Closure(closure)) if self.is_closed(closure) => return Why::Closed(closure),
             Some(Barrier::Robot(other)) if self.stands_for_good(other) => return Why::BlockedBy(other),
             _ => {}
@@ -158,7 +158,7 @@ impl<'a> RobotWaits<'a> {
         broken.map_or(Why::NoRoute, Why::BlockedBy)
     }
 
-    /// It was told to stand for a worker.
+    /// The reason of a robot that was told to stand for a worker.
     fn giving_way(&self, robot: RobotId) -> Option<Why> {
         let yielding = self.yielding.state.of(robot);
         if !yielding.is_told_to_stand() {
@@ -166,12 +166,12 @@ impl<'a> RobotWaits<'a> {
         }
         let chain = self.floor.ledger.chain(robot);
         let may_drive = chain.first() + 1 < chain.granted();
-        // Whom it gave way to at first may have left: what counts is for whom it stands now.
+        // The worker to whom it first gave way may have left: what counts is the worker for whom it stands now.
         let stands = yielding.stands.filter(|_| may_drive || yielding.to.is_some());
         stands.map(|s| Why::GivesWay(s.worker))
     }
 
-    /// It was told to stand because of a hand at a station, to which its way still leads.
+    /// The reason of a robot that was told to stand because of a hand at a station, if its way still leads there.
     fn at_hands(&self, robot: RobotId) -> Option<Why> {
         let chain = self.floor.ledger.chain(robot);
         let may_drive = chain.first() + 1 < chain.granted();
@@ -181,20 +181,20 @@ impl<'a> RobotWaits<'a> {
         station.filter(leads_there).map(Why::HandInOpening)
     }
 
-    /// It is at the end of what it was granted, and gets no more.
+    /// The reason of a robot that is at the end of what it was granted, and gets no more.
     fn withheld(&self, robot: RobotId) -> Option<Why> {
         let chain = self.floor.ledger.chain(robot);
         let at_end = chain.first() + 1 == chain.granted();
         match self.traffic.withheld(robot).filter(|_| at_end)? {
             Withheld::Condition(Cause::Worker(w), _) => Some(Why::GivesWay(w)),
             Withheld::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
-            // It may have been taken up since, in this step too.
+            // The other robot may have been taken up since, even in this step.
             Withheld::Condition(Cause::Robot(other), _) => {
                 self.stands_for_good(other).then_some(Why::BlockedBy(other))
             }
             Withheld::Condition(Cause::Obstruction(node), _) => Some(Why::WayObstructed(node)),
             Withheld::Condition(Cause::Evacuation, _) => Some(Why::Evacuation),
-            // Whose turn it is may have changed since it was asked: grants to robots after this one move chains.
+            // The turn may have changed since it was asked for: grants to robots after this one move chains.
             Withheld::Turn(..) => {
                 let turn = self.floor.ledger.timeline().waits_for(robot, chain.granted());
                 turn.map(|(resource, holder)| Why::WaitsFor(resource, holder))
@@ -248,7 +248,7 @@ impl<'a> RobotWaits<'a> {
         }
     }
 
-    /// The robot that keeps the goal of one without a route, or that an earlier search found in its way.
+    /// The robot that holds the goal of a robot without a route, or that an earlier search found in its way.
     fn in_the_way(&self, robot: RobotId) -> Option<RobotId> {
         let found = self.traffic.needs.waiting.get(&robot)?.behind;
         let other = self.floor.keeper_of_goal(robot).or(found)?;
@@ -256,15 +256,15 @@ impl<'a> RobotWaits<'a> {
     }
 }
 
-/// A robot that has a place at a station. The order is that in which they come to be served.
+/// A robot that has a place at a station. The order is that in which robots come to be served.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct StationTurn {
     station: StationId,
-    /// Not there yet; those that are come first.
+    /// Whether the robot is not there yet; robots that are come first.
     comes: bool,
-    /// The place where it stands, from the front.
+    /// The place where the robot stands, from the front.
     place: Option<usize>,
-    /// When it is planned to be at the station.
+    /// When the robot is planned to be at the station.
     arrives: Time,
     robot: RobotId,
 }

@@ -1,6 +1,6 @@
-//! What a worker waits for: for a robot in the way, for a way, or for nothing.
+//! What a worker waits for: a robot in the way, a way, or nothing.
 //!
-//! Refuses: to say of a worker who stands for a moment that nothing will happen.
+//! Refuses: to say that nothing will happen because a worker stands for a moment.
 
 use crate::people::state::{HumanState, LetsPassStage, WalkMode};
 use crate::state::wait_graph::{Edge, Party};
@@ -9,7 +9,7 @@ use giveway_floor::id::WorkerId;
 use giveway_floor::time::{Span, Time};
 use giveway_people::human::Presence;
 
-/// A worker who paces up and down in one place for so long does not walk on by and by.
+/// A worker who paces up and down in one place for this long is not about to walk on.
 const PACES: Span = Span::from_secs(30);
 
 impl HumanState {
@@ -18,7 +18,7 @@ impl HumanState {
         let person = &self.people[worker];
         let Some(place) = self.whereabouts(worker, now) else { return Edge::Moves };
         if place.presence == Presence::Lost {
-            // Somebody has to look where the worker is.
+            // A person has to look where the worker is.
             return Edge::Operator;
         }
         if let Some(lets_pass) = person.lets_pass {
@@ -29,7 +29,7 @@ impl HumanState {
                 }
             };
         }
-        // Of a worker who is not seen well it is not known what is in the way.
+        // If a worker is not seen well, it is not known what is in the way.
         let blocked = person.blocked_since.filter(|_| place.presence == Presence::Tracked);
         let blocked = blocked.map(|(robot, _)| Edge::On(Party::Robot(robot)));
         if matches!(person.mode, WalkMode::Stopped { .. }) {
@@ -37,7 +37,7 @@ impl HumanState {
         }
         let stood = person.stands_since.map(|since| now - since);
         let is_at_work = person.plan.is_some() && person.there_since.is_some();
-        // Nobody knows where a worker without a path wants to go: one who paces up and down may wait for robots.
+        // It is not known where a worker without a path wants to go: one who paces up and down may wait for robots.
         let paces = person.plan.is_none() && person.lingers.is_some_and(|(_, since)| now - since > PACES);
         match stood {
             Some(_) if blocked.is_some() => blocked.expect("just seen"),
