@@ -1,8 +1,8 @@
-//! Robot arms that get no trajectory, since they are silent, late, or report what cannot be; and arms that do not come
+//! Robot arms that get no trajectory because they are silent, late, or report the impossible; and arms that do not come
 //! out of the opening.
 //!
-//! Main function: [`conditions`]. Refuses: to report an arm that was never heard of, which is off, and one whose own
-//! protective stop holds it for a moment, which ends by itself.
+//! Main function: [`conditions`]. Refuses: to report an arm that was never heard of, which is off, and an arm that its
+//! own protective stop holds for a moment, which ends by itself.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind};
 use super::kind::AlarmKind;
@@ -30,7 +30,7 @@ pub(super) fn conditions(fleet: &Fleet, view: &View) -> Vec<AlarmCondition> {
     view.stations.iter().enumerate().filter_map(condition).collect()
 }
 
-/// Why an arm gets no trajectory, in words; nothing of one whose own stop holds it.
+/// Why an arm gets no trajectory, in words; nothing if the arm's own stop holds it.
 fn wrong_with(activity: ArmActivity, station: &str) -> Option<Sentence> {
     let why = match activity {
         ArmActivity::Trouble(why) => why,
@@ -53,7 +53,7 @@ mod tests {
     use giveway_floor::warehouse::stations;
     use std::sync::Arc;
 
-    /// What is said of the arm at the first station.
+    /// The text about the arm at the first station.
     fn said(activity: ArmActivity, is_stuck_inside: bool) -> Option<String> {
         let fleet = Fleet::new(Arc::new(stations()), Settings::default());
         let mut view = fleet.view(Time::ZERO);

@@ -1,7 +1,7 @@
-//! What is wrong at a moment: the cause of an alarm, before anybody knows how long it lasts.
+//! What is wrong at a moment: the cause of an alarm, before it is known how long it lasts.
 //!
 //! Main types: [`AlarmCondition`], [`AlarmSubject`]. Subjects go by the names that people use, so that an alarm
-//! outlasts a restart, and the robot that it was about. Refuses: to decide whether it becomes an alarm.
+//! outlasts a restart, and even the robot that it was about. Refuses: to decide whether a condition becomes an alarm.
 
 use super::kind::{AlarmKind, AlarmSeverity};
 use giveway_floor::geometry::Spot;
@@ -29,7 +29,7 @@ pub enum SubjectKind {
 }
 
 impl SubjectKind {
-    /// All of them.
+    /// All sorts of subjects.
     pub const ALL: [SubjectKind; 7] = [
         SubjectKind::Robot,
         SubjectKind::Worker,
@@ -40,7 +40,7 @@ impl SubjectKind {
         SubjectKind::Server,
     ];
 
-    /// The word for it on the wire.
+    /// The word for the sort on the wire.
     pub fn word(self) -> &'static str {
         match self {
             SubjectKind::Robot => "robot",
@@ -62,14 +62,14 @@ impl SubjectKind {
 /// What an alarm is about.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct AlarmSubject {
-    /// What sort of thing.
+    /// The sort of the subject.
     pub kind: SubjectKind,
-    /// Its name; for the floor and the server that of the sort.
+    /// The name of the subject; for the floor and the server, the word for the sort.
     pub id: String,
 }
 
 impl AlarmSubject {
-    /// A thing of this name.
+    /// The subject of this sort and name.
     pub fn new(kind: SubjectKind, id: impl Into<String>) -> AlarmSubject {
         AlarmSubject { kind, id: id.into() }
     }
@@ -88,54 +88,54 @@ impl AlarmSubject {
 /// What is wrong at a moment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmCondition {
-    /// Of which kind.
+    /// The kind of the condition.
     pub kind: AlarmKind,
-    /// With what.
+    /// The subject with which something is wrong.
     pub subject: AlarmSubject,
-    /// How bad it is.
+    /// How bad the condition is.
     pub severity: AlarmSeverity,
-    /// In words; how long it has lasted is not part of them.
+    /// The condition in words; how long it has lasted is not part of them.
     pub text: Sentence,
-    /// What to do.
+    /// What to do about the condition.
     pub remedy: Sentence,
-    /// Where, if it is in one place.
+    /// Where the condition is, if it is in one place.
     pub at: Option<Spot>,
-    /// How many robots wait because of it.
+    /// How many robots wait because of the condition.
     pub waiting: usize,
-    /// Since when, where that is known better than by when it was found.
+    /// Since when there is the condition, if that is known better than by when it was found.
     pub since: Option<Time>,
 }
 
 impl AlarmCondition {
-    /// One of this kind, with the severity and the remedy of its kind.
+    /// A condition of this kind, with the severity and the remedy of the kind.
     pub fn new(kind: AlarmKind, subject: AlarmSubject, text: Sentence) -> AlarmCondition {
         let (severity, remedy) = (kind.severity(), kind.remedy());
         AlarmCondition { kind, subject, severity, text, remedy, at: None, waiting: 0, since: None }
     }
 
-    /// One about the server.
+    /// A condition about the server.
     pub fn of_server(kind: AlarmKind, text: Sentence) -> AlarmCondition {
         AlarmCondition::new(kind, AlarmSubject::server(), text)
     }
 
-    /// The same, in a place.
+    /// This condition, in a place.
     pub fn at(self, at: impl Into<Spot>) -> AlarmCondition {
         AlarmCondition { at: Some(at.into()), ..self }
     }
 
-    /// The same, at least this bad.
+    /// This condition, at least this bad.
     pub(super) fn at_least(self, severity: AlarmSeverity) -> AlarmCondition {
         AlarmCondition { severity: self.severity.max(severity), ..self }
     }
 
-    /// What makes it one with what was found before.
+    /// The key by which the condition is the same as one that was found before.
     pub(super) fn key(&self) -> AlarmKey {
         let subject = (!self.kind.is_collective()).then(|| self.subject.clone());
         AlarmKey { kind: self.kind, subject }
     }
 }
 
-/// What makes two conditions one: the kind, and the subject if there is an alarm for each.
+/// What makes two conditions the same: the kind, and the subject if there is an alarm for each subject.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct AlarmKey {
     pub kind: AlarmKind,
@@ -143,14 +143,14 @@ pub(super) struct AlarmKey {
 }
 
 impl AlarmKey {
-    /// Whether it is that of a group: the alarms of single robots of its kind are its members.
+    /// Whether the key is that of a group: the alarms of single robots of its kind are its members.
     pub fn is_group(&self) -> bool {
         let is_floor = self.subject.as_ref().is_some_and(|s| s.kind == SubjectKind::Floor);
         self.kind.is_about_a_robot() && is_floor
     }
 }
 
-/// The first three of some names, or of other things, and how many more there are.
+/// The first three of some names or other things, and how many more there are.
 pub(super) fn some_of<T: Clone + Into<SentenceArg>>(names: &[T]) -> SentenceArg {
     let shown = names[..names.len().min(3)].to_vec();
     match names.len().saturating_sub(3) {

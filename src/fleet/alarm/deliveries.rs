@@ -1,6 +1,6 @@
-//! Whether the floor delivers: while jobs wait and robots can drive, something does within a stated time.
+//! Whether the floor delivers: while jobs wait and robots can drive, something is delivered within a stated time.
 //!
-//! Main type: [`Deliveries`], for simulations and for the server's alarms. Refuses: to say why nothing does.
+//! Main type: [`Deliveries`], for simulations and for the server's alarms. Refuses: to say why nothing is delivered.
 
 use crate::{Fleet, JobKind, JobState, View, Why};
 use giveway_floor::time::{Span, Time};
@@ -8,12 +8,12 @@ use giveway_floor::time::{Span, Time};
 /// Since when nothing was delivered although something could have been.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Deliveries {
-    /// How many there were, and since when there have been no more; nothing before the first look.
+    /// How many deliveries there were, and since when there have been no more; nothing before the first look.
     last: Option<(u64, Time)>,
 }
 
 impl Deliveries {
-    /// For how long nothing has been delivered although jobs wait, nobody picks, and robots can drive.
+    /// For how long nothing has been delivered although jobs wait, no person picks, and robots can drive.
     pub fn note(&mut self, fleet: &Fleet, view: &View) -> Span {
         let ledger = fleet.ledger();
         let delivered = ledger.counts.robot_deliveries;
@@ -35,7 +35,7 @@ impl Deliveries {
         view.now - since
     }
 
-    /// Begins anew, so that the same drought is not reported twice.
+    /// Begins anew, so that the same time without deliveries is not reported twice.
     pub fn restart(&mut self, now: Time) {
         self.last = self.last.map(|(delivered, _)| (delivered, now));
     }

@@ -1,7 +1,7 @@
-//! What is wrong with where a robot stands, in words: where it is, why it cannot be taken up there, what to do.
+//! What is wrong with where a robot stands, in words: where it stands, why it cannot be taken up there, what to do.
 //!
-//! Main function: [`words`]. Refuses: to know more than the fleet does; what became of a lost load is for a person to
-//! see.
+//! Main function: [`words`]. Refuses: to know more than the fleet does; a person has to find out what became of a lost
+//! load.
 
 use crate::Displacement;
 use giveway_floor::geometry::Point;

@@ -1,9 +1,10 @@
-//! Whether the floor flows: stations get the racks that robots have for them, and robots at work get on.
+//! Whether the floor flows: stations get the racks that robots have for them, and robots at work make progress.
 //!
-//! Main type: [`FlowWatch`]. Two thresholds each, so that the condition does not come and go: a station is dry after
-//! [`DRY`] and until a rack has been picked from there for [`SERVES`]; the fleet stands once [`MOST`] of the robots at
-//! work wait and until fewer than [`FEW`] do. Robots that wait for their turn at a station that picks do not count: it
-//! works as fast as it can. Refuses: to report what follows from a cause that has a condition of its own.
+//! Main type: [`FlowWatch`]. There are two thresholds each, so that the condition does not come and go: a station is
+//! dry after [`DRY`] and until a rack has been picked from there for [`SERVES`]; the fleet stands once [`MOST`] of the
+//! robots at work wait and until fewer than [`FEW`] do. Robots that wait for their turn at a station that picks do not
+//! count: the station works as fast as it can. Refuses: to report what follows from a cause that has a condition of its
+//! own.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
 use super::kind::AlarmKind;
@@ -15,17 +16,17 @@ use giveway_floor::text::{Sentence, SentenceArg};
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// A station at which nothing has been picked for so long, though a robot stands outside with a rack for it, is dry.
+/// A station is dry if nothing has been picked there for this long though a robot stands outside with a rack for it.
 const DRY: Span = Span::from_secs(180);
-/// It is dry no more once a rack has been picked from there for so long.
+/// A station is no longer dry once a rack has been picked from there for this long.
 const SERVES: Span = Span::from_secs(3);
 /// A rack that stood outside within this still does: its robot has moved up, or tries another way.
 const OUTSIDE: Span = Span::from_secs(30);
-/// The fleet stands if such a share of the robots at work has waited for so long...
+/// The fleet stands if this share of the robots at work has waited for this long...
 const MOST: (f64, Span) = (0.5, Span::from_secs(120));
 /// ...and until the share is less than this.
 const FEW: f64 = 0.4;
-/// Fewer robots at work are no fleet: two of three may wait for one another's turn.
+/// Fewer robots at work than this are no fleet: two of three may wait for one another's turn.
 const FLEET: usize = 8;
 
 /// What is remembered of stations and of the fleet from look to look.
@@ -40,15 +41,15 @@ pub(super) struct FlowWatch {
 #[derive(Clone, Copy, Debug)]
 struct Dry {
     since: Time,
-    /// When a rack was seen outside last.
+    /// When a rack was last seen outside.
     outside: Time,
     /// Since when a rack has been picked from again.
     serves: Option<Time>,
 }
 
 impl FlowWatch {
-    /// The condition, once it has lasted. `has_cause` says whether what a chain of waiting ends in has a condition of
-    /// its own.
+    /// The condition, once it has lasted. `has_cause` says whether the party in which a chain of waiting ends has a
+    /// condition of its own.
     pub fn look(
         &mut self,
         fleet: &Fleet,
@@ -80,7 +81,7 @@ impl FlowWatch {
         Some(AlarmCondition { waiting: waiting.len(), since, ..one })
     }
 
-    /// Stations that have been dry for long, since when.
+    /// Stations that have been dry for long, and since when.
     fn dry(&mut self, fleet: &Fleet, view: &View, waiting: &[RobotId]) -> Vec<(StationId, Time)> {
         let now = view.now;
         for robot in waiting {
@@ -96,7 +97,7 @@ impl FlowWatch {
             let seen = &view.stations[station.ix()];
             dry.serves = seen.picking.then(|| dry.serves.unwrap_or(now));
             let is_dry = dry.serves.is_none_or(|since| now - since < SERVES);
-            // What was not dry for long begins anew with every pick.
+            // A station that was not dry for long begins anew with every pick.
             let began = dry.serves.is_some() && now - dry.since <= DRY;
             is_dry && !began && seen.paused.is_none() && now - dry.outside <= OUTSIDE
         });
@@ -137,7 +138,7 @@ fn in_words(
     }
 }
 
-/// Whether nothing keeps a robot from driving that is about the robot itself.
+/// Whether no reason that is about the robot itself keeps it from driving.
 fn is_free(robot: &RobotView) -> bool {
     !robot.why.is_some_and(Why::is_by_itself)
 }
@@ -147,7 +148,7 @@ fn is_at(station: &StationView, robot: RobotId) -> bool {
     station.robot == Some(robot) || station.queue.contains(&robot)
 }
 
-/// What more than half of these robots wait for in the end, by name, if they do.
+/// The name of the party for which more than half of these robots wait in the end, if there is one.
 fn most_behind(fleet: &Fleet, roots: &Roots, waiting: &[RobotId]) -> Option<String> {
     let mut behind: BTreeMap<Party, usize> = BTreeMap::new();
     for robot in waiting {
@@ -203,7 +204,7 @@ mod tests {
             FlowFloor { fleet, view, watch: FlowWatch::default() }
         }
 
-        /// What is said at last after so many seconds.
+        /// The last text after this many seconds.
         fn look(&mut self, seconds: i64, waiting: usize, picks: bool) -> Option<String> {
             let map = self.fleet.warehouse().clone();
             let (job, rack) = (giveway_floor::id::JobId(1), giveway_floor::id::RackId(0));

@@ -1,4 +1,4 @@
-//! Many robots with the same trouble: one alarm that calls, with those of the single robots as its members.
+//! If many robots have the same trouble, one alarm calls, with the alarms of the single robots as its members.
 //!
 //! Main types: [`Gathering`] (which kinds are gathered, with hysteresis), [`AlarmMember`]. Members keep their numbers,
 //! places, notes and acknowledgements while they are in a group and after it. Refuses: to forget a member, and to
@@ -12,34 +12,34 @@ use giveway_floor::text::{Sentence, SentenceArg};
 use giveway_floor::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A kind is gathered where more robots than this have it.
+/// A kind is grouped if more robots than this have it.
 pub(super) const MANY: usize = 5;
-/// And stays gathered until no more than this do, so that one robot that comes and goes changes nothing.
+/// A kind stays grouped until no more robots than this have it, so that one robot that comes and goes changes nothing.
 pub(super) const FEW: usize = 3;
 
 /// One of the alarms in a group.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmMember {
-    /// Its number.
+    /// The number of the alarm.
     pub id: u64,
-    /// With what something is wrong.
+    /// The subject with which something is wrong.
     pub subject: AlarmSubject,
-    /// In words.
+    /// The alarm in words.
     pub text: Sentence,
-    /// Where.
+    /// Where the cause is, if it is in one place.
     pub at: Option<Spot>,
-    /// Since when its cause has been there.
+    /// Since when the cause has been there.
     pub since: Time,
-    /// Who has taken note of it.
+    /// The person who has acknowledged the alarm.
     pub acknowledged_by: Option<String>,
 }
 
-/// Which kinds are gathered.
+/// Which kinds are grouped.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gathering(BTreeSet<AlarmKind>);
 
 impl Gathering {
-    /// All that is wrong with robots, and beside it one condition for each kind that many of them have.
+    /// All that is wrong with robots, and one condition for each kind that many of them have.
     pub fn gather(&mut self, mut found: Vec<AlarmCondition>, robots: usize) -> Vec<AlarmCondition> {
         let mut by_kind: BTreeMap<AlarmKind, Vec<&AlarmCondition>> = BTreeMap::new();
         for condition in found.iter().filter(|c| c.kind.is_about_a_robot()) {
@@ -64,7 +64,7 @@ fn group(kind: AlarmKind, members: &[&AlarmCondition], robots: usize) -> AlarmCo
     AlarmCondition { waiting, since, at: middle(members.iter().filter_map(|c| c.at)), ..all }
 }
 
-/// What is said of so many of all robots that have trouble of this kind.
+/// The text for a kind of trouble that this many of all robots have.
 fn of_many(kind: AlarmKind, (count, all): (usize, usize), names: SentenceArg, waiting: usize) -> Sentence {
     let waiting = match waiting {
         0 => None,

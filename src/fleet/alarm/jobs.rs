@@ -1,8 +1,8 @@
-//! Whether jobs get on: something is delivered, each job that waits for long can say what for, deadlines are kept, and
-//! stations get racks.
+//! Whether jobs make progress: something is delivered, each job that waits for long has a reason, deadlines are kept,
+//! and stations get racks.
 //!
-//! Main type: [`JobWatch`]. Where many jobs wait, it looks at some of them each time. Refuses: to compare reasons with
-//! the floor, which only a simulation knows; that is a law there.
+//! Main type: [`JobWatch`]. If many jobs wait, it looks at some of them each time. Refuses: to compare reasons with the
+//! floor, which only a simulation knows; that is a law there.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
 use super::deliveries::Deliveries;
@@ -14,19 +14,19 @@ use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// So many jobs are looked at each time.
+/// How many jobs are looked at each time.
 const AT_ONCE: usize = 500;
 /// A job that has waited for less need not have a reason.
 const OVERDUE: Span = Span::from_secs(600);
-/// A job that has had no reason for so long is stuck: what it waited for may just have ended.
+/// A job that has had no reason for this long is stuck: what it waited for may only just have ended.
 const WITHOUT_REASON: Span = Span::from_secs(60);
-/// Nothing is delivered for so long.
+/// How long nothing has to be delivered for an alarm.
 const DELIVERS: Span = Span::from_secs(1200);
-/// A station gets no rack for so long although jobs wait for it.
+/// How long a station has to get no rack for an alarm although jobs wait for it.
 const STARVED: Span = Span::from_secs(300);
-/// How long a job takes from its robot to its end before any was seen to.
+/// How long a job is taken to need from getting its robot to its end, before any was measured.
 const USUAL: Span = Span::from_secs(120);
-/// Of so many jobs it is remembered how long they took.
+/// For how many of the last jobs it is remembered how long they took.
 const MEASURED: usize = 50;
 
 /// What is remembered of jobs from look to look.
@@ -35,17 +35,17 @@ pub(super) struct JobWatch {
     deliveries: Deliveries,
     /// The last job that was looked at.
     cursor: Option<JobId>,
-    /// Jobs that wait without a reason, since when.
+    /// Jobs that wait without a reason, and since when.
     suspects: BTreeMap<JobId, Time>,
     /// Jobs that no robot on this floor can do.
     without_kind: BTreeSet<JobId>,
     /// Jobs with a deadline.
     dated: BTreeSet<JobId>,
-    /// Jobs at work, since when a robot has had each.
+    /// Jobs that robots have, and since when.
     begun: BTreeMap<JobId, Time>,
-    /// How long the last jobs took from then on.
+    /// How long the last jobs took from getting their robots to their ends.
     took: Vec<Span>,
-    /// Stations without racks although jobs wait for them, since when, with one of these jobs.
+    /// Stations without racks although jobs wait for them: since when, and one of these jobs.
     starved: BTreeMap<StationId, (Time, JobId)>,
 }
 
@@ -62,7 +62,7 @@ impl JobWatch {
         found
     }
 
-    /// The jobs whose turn it is to be looked at.
+    /// The next jobs to be looked at.
     fn slice(&mut self, fleet: &Fleet) -> Vec<JobId> {
         let from = self.cursor.map_or(JobId(0), |last| JobId(last.0 + 1));
         let some: Vec<JobId> = fleet.ledger().jobs.range(from..).map(|(id, _)| *id).take(AT_ONCE).collect();
@@ -70,7 +70,7 @@ impl JobWatch {
         some
     }
 
-    /// Notes how long jobs take from their robot to their end.
+    /// Notes how long jobs take from getting their robots to their ends.
     fn measure(&mut self, fleet: &Fleet, view: &View) {
         let jobs = &fleet.ledger().jobs;
         let ended: Vec<JobId> = self.begun.keys().filter(|id| !jobs.contains_key(id)).copied().collect();
@@ -88,7 +88,7 @@ impl JobWatch {
         }
     }
 
-    /// How long a job takes, as a rule: the median of the last ones.
+    /// How long a job usually takes: the median of the last ones.
     fn usual(&self) -> Span {
         let mut took = self.took.clone();
         took.sort_unstable();
@@ -102,7 +102,7 @@ impl JobWatch {
         (drought > DELIVERS).then(|| AlarmCondition { since: Some(view.now - drought), ..one })
     }
 
-    /// Jobs that have waited for long and cannot say what for, and jobs that no robot can do.
+    /// Jobs that have waited for long without a reason, and jobs that no robot can do.
     fn stuck(&mut self, fleet: &Fleet, view: &View, some: &[JobId]) -> Option<AlarmCondition> {
         let (jobs, now) = (&fleet.ledger().jobs, view.now);
         let reason = |id: &JobId| view.why_job(fleet.warehouse(), *id, &jobs[id]);

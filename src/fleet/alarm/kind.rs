@@ -6,23 +6,23 @@ use giveway_floor::text::Sentence;
 use giveway_floor::text::sentence::remedies;
 use giveway_floor::time::Span;
 
-/// How bad it is.
+/// How bad an alarm is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AlarmSeverity {
-    /// Somebody wanted it so, and should not forget it.
+    /// A person wanted it so, and should not forget it.
     Notice,
-    /// Somebody should look soon; the floor goes on.
+    /// A person should look soon; the floor goes on.
     Warning,
-    /// Somebody has to act now: work stands still, or nothing can be promised.
+    /// A person has to act now: work stands still, or nothing can be promised.
     Critical,
 }
 
 impl AlarmSeverity {
-    /// All of them, the least first.
+    /// All severities, the least first.
     pub const ALL: [AlarmSeverity; 3] =
         [AlarmSeverity::Notice, AlarmSeverity::Warning, AlarmSeverity::Critical];
 
-    /// The word for it on the wire.
+    /// The word for the severity on the wire.
     pub fn word(self) -> &'static str {
         match self {
             AlarmSeverity::Notice => "notice",
@@ -37,14 +37,14 @@ impl AlarmSeverity {
     }
 }
 
-/// What finds out whether a cause is there.
+/// What finds out whether the cause of an alarm is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AlarmScope {
-    /// What operators asked for: read off every view.
+    /// What operators asked for: it is read off every view.
     Operator,
     /// Regular looks at the whole fleet and the control loop. A look that does not find a cause again ends it.
     Watch,
-    /// Parts of the server, which say themselves when a cause begins and ends.
+    /// Parts of the server, which report by themselves when a cause begins and ends.
     Server,
 }
 
@@ -60,35 +60,35 @@ macro_rules! kinds {
         }
 
         impl AlarmKind {
-            /// All of them.
+            /// All kinds of alarms.
             pub const ALL: [AlarmKind; [$(AlarmKind::$name),*].len()] = [$(AlarmKind::$name),*];
 
-            /// The word for it on the wire.
+            /// The word for the kind on the wire.
             pub fn word(self) -> &'static str {
                 match self { $(AlarmKind::$name => $word,)* }
             }
 
-            /// How bad it is, as long as nothing makes it worse.
+            /// How bad such an alarm is, as long as nothing makes it worse.
             pub fn severity(self) -> AlarmSeverity {
                 match self { $(AlarmKind::$name => AlarmSeverity::$severity,)* }
             }
 
-            /// What finds out about it.
+            /// What finds out about such an alarm.
             pub fn scope(self) -> AlarmScope {
                 match self { $(AlarmKind::$name => AlarmScope::$scope,)* }
             }
 
-            /// A cause that lasts for less raises no alarm.
+            /// How long a cause has to last to raise an alarm.
             pub fn raised_after(self) -> Span {
                 match self { $(AlarmKind::$name => Span::from_secs($raise),)* }
             }
 
-            /// A cause that is gone for less has not ended.
+            /// How long a cause has to be gone to end its alarm.
             pub fn cleared_after(self) -> Span {
                 match self { $(AlarmKind::$name => Span::from_secs($clear),)* }
             }
 
-            /// What to do about it.
+            /// What to do about such an alarm.
             pub fn remedy(self) -> Sentence {
                 match self { $(AlarmKind::$name => remedies::$remedy(),)* }
             }
@@ -97,7 +97,7 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// A robot says that it is broken, or was found to be.
+    /// A robot reports that it is broken, or was found to be.
     RobotFailed: "robot_failed", Warning, Watch, 1, 3, do_repair_robot;
     /// A robot's emergency stop is pressed.
     EmergencyStop: "emergency_stop", Warning, Watch, 1, 2, do_release_emergency_stop;
@@ -113,23 +113,23 @@ kinds! {
     RobotLow: "robot_low", Warning, Watch, 60, 15, do_free_charger;
     /// A robot finds no route, and nothing is known to be in its way.
     RobotBlocked: "robot_blocked", Warning, Watch, 60, 10, do_open_area_or_clear_goal;
-    /// A robot has a task and does not get on.
+    /// A robot has a task and makes no progress.
     RobotStuck: "robot_stuck", Warning, Watch, 0, 5, do_see_what_keeps_robot;
-    /// A robot says that it is beyond what it was granted.
+    /// A robot reports that it is beyond what it was granted.
     BeyondGrant: "grant", Critical, Watch, 1, 5, do_stop_robot;
     /// A robot that has left the floor still reports.
     RobotReturned: "robot_returned", Warning, Watch, 1, 15, do_register_or_switch_off;
     /// What is known about a robot contradicts itself.
     RobotFenced: "fenced", Critical, Watch, 0, 0, do_check_and_resume_robot;
-    /// Robots wait for what does not keep them.
+    /// Robots wait for something that does not keep them.
     WaitsInVain: "waits", Warning, Watch, 3, 5, do_pause_resume_and_report;
-    /// Robots and people wait, and nothing that goes on by itself will set them free.
+    /// Robots and people wait for something that will not go on by itself.
     Standstill: "standstill", Warning, Watch, 0, 5, do_make_room;
     /// Nothing moves on the whole floor, though there is work.
     FloorStandstill: "floor_standstill", Critical, Watch, 0, 5, do_look_at_first_named;
     /// Nothing is delivered, though jobs wait and robots can drive.
     NoDeliveries: "deliveries", Critical, Watch, 0, 5, do_look_at_jobs;
-    /// Nobody knows where a worker is.
+    /// It is not known where a worker is.
     WorkerLost: "worker_lost", Warning, Watch, 0, 2, do_look_for_worker;
     /// Robots have kept a person in one spot.
     WorkerKept: "worker_kept", Warning, Watch, 0, 5, do_ask_worker_to_walk;
@@ -151,7 +151,7 @@ kinds! {
     StepsLate: "steps_late", Warning, Watch, 5, 20, do_more_processor_or_fewer_robots;
     /// Robots wait for long before a route is searched for them.
     PlanBacklog: "plan_backlog", Warning, Watch, 5, 15, do_more_processor_or_move_robot;
-    /// Forecasts of people do not hold.
+    /// Forecasts of people do not come true.
     ForecastBad: "forecast", Warning, Watch, 30, 60, do_check_tags;
     /// The system's clock and the server's are far apart.
     ClockOff: "clock", Warning, Watch, 0, 5, do_set_clock;
@@ -161,7 +161,7 @@ kinds! {
     Halt: "halt", Critical, Server, 0, 0, do_check_disk;
     /// The files of the database are not in their place.
     Database: "database", Critical, Server, 0, 0, do_put_database_back;
-    /// The control loop does not turn.
+    /// The control loop does not run.
     LoopStuck: "loop", Critical, Server, 0, 0, do_restart_if_it_stays;
     /// The fleet in memory cannot be trusted.
     Broken: "broken", Critical, Server, 0, 0, do_restart_and_restore;
@@ -171,7 +171,7 @@ kinds! {
     PastNotKept: "past", Warning, Server, 0, 0, do_make_room_on_disk;
     /// A webhook has taken no events for a while.
     WebhookFailing: "webhook", Warning, Server, 0, 0, do_bring_receiver_back;
-    /// An address shows many tokens or cookies that are wrong.
+    /// An address sends many wrong tokens or cookies.
     SecretsGuessed: "secrets", Warning, Server, 0, 0, do_find_guesser;
     /// A recording is shown to its end.
     RecordingEnded: "end", Notice, Server, 0, 0, do_seek_or_close;
@@ -189,7 +189,7 @@ impl AlarmKind {
         AlarmKind::ALL.into_iter().find(|kind| kind.word() == word)
     }
 
-    /// Whether there is one alarm for all of its subjects: they have one cause more often than not.
+    /// Whether there is one alarm for all subjects of the kind: they have one cause more often than not.
     pub fn is_collective(self) -> bool {
         use AlarmKind as K;
         let by_subject = matches!(self, K::Standstill | K::StationStarved | K::ArmTrouble | K::RobotFenced)
@@ -198,7 +198,7 @@ impl AlarmKind {
         !by_subject
     }
 
-    /// Whether it is about one robot, and becomes one alarm for all of them where many have it at once.
+    /// Whether the kind is about single robots, and becomes one alarm for all of them if many have it at once.
     pub fn is_about_a_robot(self) -> bool {
         use AlarmKind as K;
         matches!(
@@ -217,8 +217,8 @@ impl AlarmKind {
         )
     }
 
-    /// After a restart, for so long it is not known whether its cause is still there: robots have to report again, and
-    /// some causes are found only when they have lasted.
+    /// How long after a restart it is not known whether the cause is still there: robots have to report again, and some
+    /// causes are found only when they have lasted.
     pub fn settles_after(self) -> Span {
         use AlarmKind as K;
         let by_report = matches!(
@@ -242,7 +242,8 @@ impl AlarmKind {
         }
     }
 
-    /// Whether the server cannot promise anything while it stands: requests that change something are refused.
+    /// Whether the server cannot promise anything while the alarm is active: requests that change something are
+    /// refused.
     pub fn ends_readiness(self) -> bool {
         use AlarmKind as K;
         matches!(self, K::Journal | K::Halt | K::Database | K::LoopStuck | K::Broken)

@@ -1,9 +1,9 @@
-//! Alarms: what is wrong on the floor or with the server, since when, what to do, and who has taken note of it.
+//! Alarms: what is wrong on the floor or with the server, since when, what to do, and who has acknowledged it.
 //!
 //! Main types: [`FloorWatch`] (finds what is wrong in one look at the fleet), [`AlarmCondition`] (what it found),
-//! [`AlarmRegister`] (turns conditions into alarms that are raised, acknowledged, put aside and cleared). A robot that
-//! only waits behind another one raises no alarm: the root of its chain in the wait-for graph does, and counts it.
-//! Refuses: to read a clock, to write anything down, and to mend anything.
+//! [`AlarmRegister`] (turns conditions into alarms that are raised, acknowledged, shelved and cleared). A robot that
+//! only waits behind another one raises no alarm: the root of its chain in the wait-for graph does, and counts the
+//! robot. Refuses: to read a clock, to store anything, and to repair anything.
 
 mod arms;
 mod care;

@@ -1,6 +1,6 @@
 //! What is wrong with people on the floor: lost, kept in one spot, in a closed area.
 //!
-//! Main function: [`conditions`]. Refuses: to say anything of a worker who is where the fleet expects people.
+//! Main function: [`conditions`]. Refuses: to say anything about a worker who is where the fleet expects people.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind};
 use super::kind::{AlarmKind, AlarmSeverity};
@@ -12,12 +12,12 @@ use giveway_floor::text::{Sentence, SentenceArg};
 use giveway_floor::time::Span;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A worker whom no source has known for so long has to be looked for.
+/// A worker of whom no source has known for this long has to be looked for.
 const LOST: Span = Span::from_secs(30);
-/// A person may be kept in one spot for so long.
+/// How long a person may be kept in one spot.
 const KEPT: Span = Span::from_secs(60);
 
-/// What is wrong with people. Robots with a cause of their own keep nobody: the cause does.
+/// What is wrong with people. If the robot that keeps a person has a cause of its own, only that cause is reported.
 pub(super) fn conditions(
     fleet: &Fleet,
     view: &View,

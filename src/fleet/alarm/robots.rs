@@ -1,6 +1,6 @@
 //! What is wrong with single robots. A robot that merely waits behind another one has no condition of its own.
 //!
-//! Main type: [`RobotWatch`]. Refuses: to report one robot twice: of several conditions the first in order of cause.
+//! Main type: [`RobotWatch`]. Refuses: to report a robot twice: of several conditions, the first in order of cause.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind};
 use super::displaced::words;
@@ -13,22 +13,22 @@ use giveway_floor::text::{Sentence, SentenceArg};
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// A robot with a task that could go on and does not for so long is stuck.
+/// A robot with a task that could go on and has made no progress for this long is stuck.
 const STUCK: Span = Span::from_secs(120);
-/// One that waits for others is stuck only after this: the cause is theirs, and busy stations have long queues.
+/// A robot that waits for others is stuck only after this: the cause is theirs, and busy stations have long queues.
 const STUCK_BEHIND: Span = Span::from_secs(3600);
 /// A robot that left the floor and was heard of within this still reports.
 const REPORTS: Span = Span::from_secs(10);
-/// If so many robots wait for one thing, somebody has to act at once.
+/// If this many robots wait for one thing, a person has to act at once.
 const SEVERE: usize = 5;
 
-/// What a robot had last done, and since when it has done nothing more.
+/// What a robot did last, and since when it has done nothing more.
 #[derive(Clone, Copy, Debug)]
 struct Progress {
     visit: u64,
     acted: Option<u64>,
     since: Time,
-    /// Since when it has done nothing more though it waits for nobody.
+    /// Since when the robot has done nothing more although it waits for no other party.
     free_since: Time,
 }
 
@@ -46,7 +46,7 @@ impl RobotWatch {
             let (visit, acted) = (ledger.chain(robot).first(), record.acted);
             let fresh = Progress { visit, acted, since: now, free_since: now };
             let entry = self.progress.entry(robot).or_insert(fresh);
-            // What a person stopped gets on as soon as it may; a pick takes as long as it takes.
+            // A robot that a person stopped goes on as soon as it may; a pick takes as long as it takes.
             let excused = record.task == Task::Idle
                 || record.paused.is_some()
                 || ledger.stopped.is_some()
@@ -60,7 +60,7 @@ impl RobotWatch {
         }
     }
 
-    /// For how long a robot has not got on although it has a task.
+    /// For how long a robot has made no progress although it has a task.
     pub fn without_progress(&self, robot: RobotId, now: Time) -> Span {
         self.progress.get(&robot).map_or(Span::ZERO, |p| now - p.since)
     }
@@ -75,7 +75,7 @@ impl RobotWatch {
             Some((robot, AlarmCondition { waiting, ..found }.at_least(severity).at(row.pose.at)))
         };
         let mut found: BTreeMap<_, _> = view.robots.iter().enumerate().filter_map(looked).collect();
-        // Only now is it known which robots have a cause of their own: one behind them is not stuck.
+        // Only now is it known which robots have a cause of their own: a robot behind one of them is not stuck.
         let stuck: Vec<RobotId> =
             found.iter().filter(|(_, c)| c.kind == AlarmKind::RobotStuck).map(|(r, _)| *r).collect();
         for robot in stuck {
@@ -120,7 +120,7 @@ impl RobotWatch {
         Some(AlarmCondition { since: Some(since), ..found })
     }
 
-    /// Since when a robot has not got on although it has a task, if that is for long and nobody wanted it.
+    /// Since when a robot has made no progress although it has a task, if that is for long and no person wanted it.
     fn stuck_since(&self, fleet: &Fleet, view: &View, robot: RobotId) -> Option<Time> {
         let stood = self.without_progress(robot, view.now);
         let free = self.progress.get(&robot).map_or(Span::ZERO, |p| view.now - p.free_since);
@@ -139,7 +139,7 @@ impl RobotWatch {
     }
 }
 
-/// The fault that keeps a robot, if one does.
+/// The fault that keeps a robot from going on, if one does.
 fn fault(
     fleet: &Fleet,
     view: &View,
@@ -161,14 +161,14 @@ fn fault(
             let node = &fleet.warehouse().nodes[node].name;
             (AlarmKind::RobotObstructed, alarms::robot_obstructed_before(name, node, waiting))
         }
-        // It says so, whatever else it waits for meanwhile, such as another route.
+        // The robot reports it, whatever else it waits for meanwhile, such as another route.
         _ if row.fault == Some(Fault::Obstructed) => {
             (AlarmKind::RobotObstructed, alarms::robot_obstructed(name, waiting))
         }
         Some(Why::NoRoute) if fleet.wait(Party::Robot(robot)).edge == Edge::NoWay => {
             (AlarmKind::RobotBlocked, alarms::robot_finds_no_route(name, waiting))
         }
-        // A person with it sees what is wrong.
+        // A person with the robot sees what is wrong.
         Some(Why::Manual | Why::Maintenance | Why::Leaving | Why::Gone) => return None,
         _ if record.failed => (AlarmKind::RobotFailed, alarms::robot_failed(name, waiting)),
         _ if is_low(row) => {
@@ -179,7 +179,7 @@ fn fault(
     })
 }
 
-/// Obstacles that robots have turned away from: no robot stands before them any more, and still the way has to be
+/// Obstacles that robots have turned away from: no robot stands before them any more, but the way still has to be
 /// cleared.
 pub(super) fn left_obstacles(
     fleet: &Fleet,
@@ -199,21 +199,21 @@ pub(super) fn left_obstacles(
     by_robot.into_values().collect()
 }
 
-/// Whether a robot waits for another one, a person, or what somebody asked for.
+/// Whether a robot waits for another robot, a person, or something that a person asked for.
 fn waits_for_others(fleet: &Fleet, robot: RobotId) -> bool {
     let wanted = |why: Why| why.is_by_itself() || matches!(why, Why::Closed(_)) || why.station().is_some();
     fleet.why(robot).is_some_and(wanted)
         || matches!(fleet.wait(Party::Robot(robot)).edge, Edge::On(_) | Edge::Until(_))
 }
 
-/// A robot says that it reached, or knows of, more than it was granted.
+/// Whether a robot reports that it reached, or knows of, more than it was granted.
 fn is_beyond_grant(fleet: &Fleet, robot: RobotId) -> bool {
     let granted = fleet.ledger().chain(robot).granted();
     fleet.telemetry(robot).is_some_and(|t| t.reached.max(t.known) >= granted)
 }
 
-/// Too little charge for any job, and not on the way to a charger. A robot with a task ends it first, unless little is
-/// left of what is too little already.
+/// Whether a robot has too little charge for any job, and is not on its way to a charger. A robot with a task ends it
+/// first, unless less than half of the critical charge is left.
 fn is_low(row: &RobotView) -> bool {
     let charges = matches!(row.doing, Doing::Charging | Doing::ToCharger);
     let ends_its_task = row.task != Task::Idle && row.battery >= row.critical / 2.0;

@@ -1,4 +1,4 @@
-//! Who waits behind whom: for each robot and worker at the end of a chain of waiting, the robots that wait for it.
+//! Which robots wait behind which party: for each robot and worker at the end of a chain, the robots that wait for it.
 //!
 //! Main type: [`Roots`]. Refuses: to find out why anything waits; the wait-for graph knows.
 
@@ -16,7 +16,7 @@ pub(super) struct Roots {
 }
 
 impl Roots {
-    /// Follows each robot's chain to its end. Of a cycle, the party with the least number stands for all of it.
+    /// Follows each robot's chain to its end. Of a cycle, the party with the least number stands for the whole cycle.
     pub fn of(fleet: &Fleet) -> Roots {
         let mut roots = Roots::default();
         for robot in fleet.ledger().present() {
@@ -38,7 +38,7 @@ impl Roots {
         self.behind.get(&party).map_or(&[], Vec::as_slice)
     }
 
-    /// What a robot waits for in the end; itself where it waits for no other party.
+    /// The party for which a robot waits in the end; the robot itself if it waits for no other party.
     pub fn root(&self, robot: RobotId) -> Party {
         self.root.get(&robot).copied().unwrap_or(Party::Robot(robot))
     }

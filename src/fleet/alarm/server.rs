@@ -1,5 +1,5 @@
 //! What is wrong with the server's own work: steps that are late, robots that wait for a search, forecasts that do not
-//! hold, a clock that is off.
+//! come true, a clock that is off.
 //!
 //! Main types: [`StepRecord`] (how long steps took lately), [`LoopHealth`] (what the server measured). Refuses: to
 //! measure anything.
@@ -13,13 +13,13 @@ use giveway_floor::text::{Sentence, SentenceArg};
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Steps are looked back upon for so long.
+/// How far back steps are looked at.
 const RECENT: Span = Span::from_secs(10);
-/// If more than one step in so many is late, the processor does not suffice.
+/// If at least one step in this many is late, the processor is too slow.
 const LATE_ONE_IN: usize = 5;
-/// The search of a robot's route may be put off for so long.
+/// How long the search of a robot's route may be put off.
 const UNSEARCHED: Span = Span::from_secs(30);
-/// The clocks may differ by so much.
+/// By how much the clocks may differ.
 const CLOCKS: Span = Span::from_secs(60);
 
 /// How long the steps of the last seconds took.
@@ -49,9 +49,9 @@ impl StepRecord {
 pub struct LoopHealth {
     /// The control period.
     pub period: Span,
-    /// Steps of late.
+    /// Recent steps.
     pub steps: StepRecord,
-    /// By how much the system's clock is ahead of the server's.
+    /// How far the system's clock is ahead of the server's.
     pub clock_ahead: Span,
 }
 

@@ -1,7 +1,7 @@
 //! Parts of the floor that stand still, and the whole of it.
 //!
-//! Main functions: [`standstills`], [`whole_floor`]. Refuses: to call it a standstill where a robot with a cause of its
-//! own stands at the end of the chain, or a person who stopped robots: those are causes.
+//! Main functions: [`standstills`], [`whole_floor`]. Refuses: to report a standstill if a robot with a cause of its own
+//! stands at the end of the chain, or a person who stopped robots: those are causes.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
 use super::kind::{AlarmKind, AlarmSeverity};
@@ -15,11 +15,11 @@ use giveway_floor::text::{Sentence, SentenceArg};
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A standstill that the fleet did not end within this is one.
+/// How long a standstill has to last for an alarm: the fleet did not end it within this.
 const LASTS: Span = Span::from_secs(60);
-/// Nothing moves on the floor for so long.
+/// How long nothing has to move on the floor for an alarm.
 const FLOOR_STANDS: Span = Span::from_secs(60);
-/// So many jobs are asked why they wait.
+/// How many jobs are asked why they wait.
 const JOBS: usize = 50;
 
 /// Whether a person wants everything to stand.
@@ -81,8 +81,8 @@ pub(super) fn in_words(found: &Standstill, name: impl Fn(&Party) -> SentenceArg)
     }
 }
 
-/// Nothing moves although there is work. Where one cause that was found explains it, that cause becomes critical
-/// instead.
+/// Reports that nothing moves although there is work. If one cause that was found explains it, that cause becomes
+/// critical instead.
 pub(super) fn whole_floor(
     fleet: &Fleet,
     view: &View,
@@ -122,7 +122,7 @@ pub(super) fn whole_floor(
     None
 }
 
-/// Jobs wait, and no robot has anything to do: since when that is so is remembered from look to look.
+/// Remembers from look to look since when jobs have waited while no robot has anything to do.
 #[derive(Clone, Debug, Default)]
 pub(super) struct IdleFloor {
     since: Option<Time>,
@@ -191,8 +191,8 @@ pub(super) fn is_about(fleet: &Fleet, condition: &AlarmCondition, party: Party) 
     condition.subject == AlarmSubject::new(kind, id)
 }
 
-/// Whether a chain ends in what a person asked for: a robot that is paused, an area that is closed, a station at which
-/// nobody picks.
+/// Whether a chain ends in something that a person asked for: a robot that is paused, an area that is closed, a station
+/// that is paused.
 fn is_wanted(fleet: &Fleet, root: Party) -> bool {
     let Party::Robot(robot) = root else { return false };
     let waits = fleet.wait(root);

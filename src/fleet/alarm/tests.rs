@@ -27,7 +27,7 @@ struct StandingFloor {
 }
 
 impl StandingFloor {
-    /// So many robots at the parking places and chargers of the hall of the thesis.
+    /// A floor with this many robots at the parking places and chargers of the hall of the thesis.
     fn new(robots: usize) -> StandingFloor {
         let map = Arc::new(thesis());
         let fleet = Fleet::new(map.clone(), Settings::default());
@@ -130,7 +130,7 @@ impl StandingFloor {
         }
     }
 
-    /// Runs for so long with a fault of the first robot; then without, for long enough to end its alarm.
+    /// Runs for this long with a fault of the first robot; then without, for long enough to end its alarm.
     fn with_fault(&mut self, fault: Fault, seconds: i64) -> Vec<(&'static str, String)> {
         self.faults.insert(RobotId(0), fault);
         let found = self.run(seconds);
@@ -374,7 +374,7 @@ fn a_standstill_is_told_with_names() {
     );
 }
 
-/// An area that robots keep out of, round these nodes.
+/// An area around these nodes that robots keep out of.
 fn closed(floor: &StandingFloor, nodes: Vec<NodeId>) -> Input {
     let at = floor.fleet.warehouse().nodes[nodes[0]].at;
     let corner = |dx: f64, dy: f64| Point::new(at.x + dx, at.y + dy).into();

@@ -1,7 +1,7 @@
 //! One look at the fleet: everything that is wrong, causes only.
 //!
-//! Main types: [`FloorWatch`]; [`operator_conditions`] is what people asked for. Refuses: to look by itself; whoever
-//! drives the fleet calls it about once a second.
+//! Main types: [`FloorWatch`]; [`operator_conditions`] is what people asked for. Refuses: to look by itself; the driver
+//! of the fleet calls it about once a second.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
 use super::flow::FlowWatch;
@@ -27,7 +27,7 @@ pub struct FloorWatch {
 }
 
 impl FloorWatch {
-    /// All that is wrong now. `view` is that of this fleet.
+    /// All that is wrong now. `view` is a view of this fleet.
     pub fn look(&mut self, fleet: &Fleet, view: &View, health: &LoopHealth) -> Vec<AlarmCondition> {
         self.robots.note(fleet, view.now);
         let roots = Roots::of(fleet);
@@ -35,7 +35,7 @@ impl FloorWatch {
         let mut found = people::conditions(fleet, view, &roots, &robots);
         let is_lost = found.iter().any(|c| c.kind == AlarmKind::WorkerLost);
         if is_lost {
-            // Much of the floor is closed round a worker who is lost: that is why robots find no route and stand.
+            // Much of the floor is closed round a lost worker: that is why robots find no route and stand.
             robots.retain(|_, c| c.kind != AlarmKind::RobotBlocked);
         }
         let jobs = self.jobs.conditions(fleet, view);
@@ -43,7 +43,7 @@ impl FloorWatch {
             self.flow = FlowWatch::default();
         }
         if is_stopped(view) {
-            // Nothing moves, as somebody wanted: what follows from that is no news.
+            // Nothing moves because a person wanted it so: what follows from that is no news.
             found.extend(jobs.into_iter().filter(|c| c.kind == AlarmKind::DeadlineMissed));
         } else {
             if !is_lost {

@@ -37,8 +37,8 @@ impl Floor<'_> {
         Some(work)
     }
 
-    /// What it costs, milliseconds: how long the rack of a job, which stands on `rack`, would wait at its work cell for
-    /// what is ahead of it; less than nothing where the picker would wait for it, whose time is worth more. Nothing for
+    /// Cost of a job, milliseconds: how long its rack, which stands on `rack`, would wait at its work cell for what is
+    /// ahead of it; negative if the picker would wait for the rack, since the picker's time is worth more. Nothing for
     /// jobs to other places.
     pub(super) fn lack_of_work(
         &self,

@@ -63,7 +63,7 @@ impl Intake<'_> {
 
 impl Floor<'_> {
     /// Whether a robot may do a job as far as operators are concerned. A choice of a robot that has left, is leaving or
-    /// is out of service binds no more.
+    /// is out of service no longer binds.
     pub(crate) fn is_allowed(&self, robot: RobotId, job: &Job, now: Time) -> bool {
         match job.choice {
             RobotChoice::Only(chosen, _) if self.ledger.robots[chosen].service != Service::Works => true,
@@ -89,8 +89,8 @@ impl Floor<'_> {
         }
     }
 
-    /// What a robot goes on with when it loses its job to another one: out of the way of the rack, if it has not lifted
-    /// it and is not granted to.
+    /// The task with which a robot goes on when it loses its job to another one: out of the way of the rack, if it has
+    /// not lifted the rack and is not granted to.
     fn task_after_loss(&self, robot: RobotId) -> Task {
         match self.ledger.robots[robot].task {
             Task::Fetch { node, .. } if !self.next_stop_is_granted(robot) => {

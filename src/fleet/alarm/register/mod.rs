@@ -1,7 +1,7 @@
-//! The life of an alarm: raised when its cause has lasted, acknowledged by somebody, cleared when the cause is gone.
+//! The life of an alarm: raised when its cause has lasted, acknowledged by a person, cleared when the cause is gone.
 //!
-//! Main types: [`AlarmRegister`], [`Alarm`]. Refuses: to forget an alarm silently (what changes is handed out to be
-//! written down), and to keep more than [`MOST_ACTIVE`].
+//! Main types: [`AlarmRegister`], [`Alarm`]. Refuses: to forget an alarm silently (changes are handed out to be
+//! stored), and to keep more than [`MOST_ACTIVE`].
 
 use super::care::{Acknowledgement, AlarmNote, CareRefusal, MOST_NOTES, MOST_SHELVED, Shelving};
 use super::condition::{AlarmCondition, AlarmKey, AlarmSubject};
@@ -12,56 +12,56 @@ use giveway_floor::text::Sentence;
 use giveway_floor::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// So many alarms are active at most; what is found beyond is left out, the least severe first.
+/// How many alarms are active at most; causes found beyond that are left out, the least severe first.
 pub const MOST_ACTIVE: usize = 500;
 
 /// Something that a person must know, active or past.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Alarm {
-    /// Its number, in the order in which alarms were raised.
+    /// The number of the alarm, in the order in which alarms were raised.
     pub id: u64,
-    /// What it is about.
+    /// The kind of the alarm.
     pub kind: AlarmKind,
-    /// How bad it is, or was at last.
+    /// How bad the alarm is, or was last.
     pub severity: AlarmSeverity,
-    /// With what something is wrong.
+    /// The subject with which something is wrong.
     pub subject: AlarmSubject,
-    /// In words.
+    /// The alarm in words.
     pub text: Sentence,
-    /// What to do.
+    /// What to do about the alarm.
     pub remedy: Sentence,
-    /// Where.
+    /// Where the cause is, if it is in one place.
     pub at: Option<Spot>,
-    /// How many robots wait because of it.
+    /// How many robots wait because of the cause.
     pub waiting: usize,
-    /// Since when its cause has been there.
+    /// Since when the cause has been there.
     pub since: Time,
-    /// Who has taken note.
+    /// Who has acknowledged the alarm, and when.
     pub acknowledged: Option<Acknowledgement>,
-    /// Whether somebody has put it aside.
+    /// Who has shelved the alarm, and until when, if it is shelved.
     pub shelved: Option<Shelving>,
-    /// What people wrote down about it, in order.
+    /// What people wrote down about the alarm, in order.
     pub notes: Vec<AlarmNote>,
-    /// The number of the group of which it is a member, or was when it ended.
+    /// The number of the group of which the alarm is a member, or was when it ended.
     pub group: Option<u64>,
-    /// Of a group: its members, in order of their numbers. Handed out with active alarms, and kept nowhere.
+    /// The members of a group, in order of their numbers. Handed out with active alarms, and stored nowhere.
     pub members: Vec<AlarmMember>,
-    /// When it ended.
+    /// When the alarm ended.
     pub cleared: Option<Time>,
 }
 
 /// Which alarms to list, newest first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AlarmQuery {
-    /// Only those that were still active at this time.
+    /// Only alarms that were still active at this time.
     pub from: Option<Time>,
-    /// Only those that began before.
+    /// Only alarms that began before this time.
     pub to: Option<Time>,
     /// Only members of this group.
     pub group: Option<u64>,
-    /// Only those with a lower number.
+    /// Only alarms with a lower number.
     pub before: Option<u64>,
-    /// How many at most.
+    /// How many alarms at most.
     pub limit: u32,
 }
 
@@ -69,11 +69,11 @@ pub struct AlarmQuery {
 #[derive(Clone, Debug)]
 struct ActiveAlarm {
     alarm: Alarm,
-    /// When its cause was found last.
+    /// When the alarm's cause was last found.
     found: Time,
-    /// It was restored, and may not be found again before this.
+    /// The alarm was restored, and its cause may not be found again before this.
     settles: Time,
-    /// Of a group: how many members it had when somebody took note of it.
+    /// How many members a group had when it was acknowledged.
     noted: usize,
 }
 
@@ -95,8 +95,8 @@ pub struct AlarmRegister {
 }
 
 impl AlarmRegister {
-    /// Goes on with what was active when an earlier run ended. Alarms of the server's parts ended with it. Of alarms
-    /// that are over it is known only whether they were put aside.
+    /// Goes on with the alarms that were active when an earlier run ended. Alarms of the server's parts ended with that
+    /// run. Of alarms that are over, it only counts whether they were shelved.
     pub fn restore(&mut self, last: u64, known: Vec<Alarm>, now: Time) {
         self.last = self.last.max(last);
         for alarm in known {
@@ -122,11 +122,11 @@ impl AlarmRegister {
         self.join();
     }
 
-    /// Takes in everything of a scope that is wrong now. Gives the alarms that are new, of a group the group alone.
+    /// Takes in everything of a scope that is wrong now. Returns the new alarms; of a group, the group alone.
     pub fn observe(&mut self, scope: AlarmScope, found: Vec<AlarmCondition>, now: Time) -> Vec<Alarm> {
         self.end_shelving(now);
         let mut found = found;
-        // Where there are too many, the worst have room.
+        // If there are too many conditions, the worst have room.
         found.sort_by_key(|c| std::cmp::Reverse(c.severity));
         let keys: BTreeSet<AlarmKey> = found.iter().map(AlarmCondition::key).collect();
         let mut new = BTreeSet::new();
@@ -160,7 +160,8 @@ impl AlarmRegister {
         self.active.values().filter(is_told).map(|a| a.alarm.clone()).collect()
     }
 
-    /// Raises an alarm of a part of the server at once, or gives an active one its new text. The alarm, if it is new.
+    /// Raises an alarm of a part of the server at once, or gives an active one its new text. Returns the alarm if it is
+    /// new.
     pub fn raise(&mut self, condition: AlarmCondition, now: Time) -> Option<Alarm> {
         let key = condition.key();
         if self.active.contains_key(&key) {
@@ -171,15 +172,15 @@ impl AlarmRegister {
         Some(self.begin(key, condition, since, now))
     }
 
-    /// Ends all alarms of a kind. Whether there was one.
+    /// Ends all alarms of a kind. Returns whether there was one.
     pub fn clear(&mut self, kind: AlarmKind, now: Time) -> bool {
         let of_kind: Vec<AlarmKey> = self.active.keys().filter(|k| k.kind == kind).cloned().collect();
         of_kind.iter().for_each(|key| self.end(key, now));
         !of_kind.is_empty()
     }
 
-    /// Somebody takes note of an active alarm; who did first, did. Of a group, that is of all its members; and of all
-    /// members, of their group. Nothing where none of this number is active.
+    /// Acknowledges an active alarm; the first acknowledgement counts. Acknowledging a group acknowledges all its
+    /// members; acknowledging all members acknowledges their group. Nothing if no alarm of this number is active.
     pub fn acknowledge(&mut self, id: u64, by: &str, now: Time) -> Option<Alarm> {
         let noted = Acknowledgement { by: by.to_owned(), at: now };
         let key = self.key_of(id)?;
@@ -194,10 +195,10 @@ impl AlarmRegister {
         self.find(id)
     }
 
-    /// Puts an active alarm aside.
+    /// Shelves an active alarm.
     ///
     /// # Errors
-    /// Where it is not active, must always call, or too many are put aside.
+    /// If the alarm is not active, must always call, or too many alarms are shelved.
     pub fn shelve(&mut self, id: u64, shelving: Shelving) -> Result<Alarm, CareRefusal> {
         let key = self.key_of(id).ok_or(CareRefusal::NotActive)?;
         if key.kind.ends_readiness() || key.kind == AlarmKind::Evacuation {
@@ -211,17 +212,17 @@ impl AlarmRegister {
         self.find(id).ok_or(CareRefusal::NotActive)
     }
 
-    /// Takes an active alarm back up. Nothing where none of this number is active.
+    /// Ends the shelving of an active alarm. Nothing if no alarm of this number is active.
     pub fn unshelve(&mut self, id: u64) -> Option<Alarm> {
         let key = self.key_of(id)?;
         self.unshelve_key(&key);
         self.find(id)
     }
 
-    /// Writes a note down about an active alarm.
+    /// Adds a note to an active alarm.
     ///
     /// # Errors
-    /// Where it is not active, or has too many.
+    /// If the alarm is not active, or has too many notes.
     pub fn write_note(&mut self, id: u64, note: AlarmNote) -> Result<Alarm, CareRefusal> {
         let key = self.key_of(id).ok_or(CareRefusal::NotActive)?;
         if self.active[&key].alarm.notes.len() >= MOST_NOTES {
@@ -231,7 +232,7 @@ impl AlarmRegister {
         self.find(id).ok_or(CareRefusal::NotActive)
     }
 
-    /// All that are active: the worst first, of these the newest. Members are in their groups.
+    /// All active alarms: the worst first, and of equally bad ones the newest first. Members are in their groups.
     pub fn active(&self) -> Vec<Alarm> {
         let top = self.active.iter().filter(|(_, a)| a.alarm.group.is_none());
         let mut all: Vec<Alarm> = top.map(|(key, _)| self.whole(key)).collect();
@@ -239,27 +240,27 @@ impl AlarmRegister {
         all
     }
 
-    /// The active alarm of this number, also where it is a member of a group.
+    /// The active alarm of this number, also if it is a member of a group.
     pub fn find(&self, id: u64) -> Option<Alarm> {
         self.key_of(id).map(|key| self.whole(&key))
     }
 
-    /// Active alarms about this, also where they are members of a group.
+    /// Active alarms about this subject, also if they are members of a group.
     pub fn about(&self, subject: &AlarmSubject) -> Vec<Alarm> {
         self.active.values().map(|a| &a.alarm).filter(|alarm| alarm.subject == *subject).cloned().collect()
     }
 
-    /// What has changed since this was asked last, to be written down.
+    /// The alarms that have changed since the last call, to be stored.
     pub fn take_changes(&mut self) -> Vec<Alarm> {
         std::mem::take(&mut self.changed).into_values().collect()
     }
 
-    /// What could not be written down is handed out again, unless it has changed since.
+    /// Hands out alarms again that could not be stored, unless they have changed since.
     pub fn put_back(&mut self, alarms: Vec<Alarm>) {
         for alarm in alarms {
             self.changed.entry(alarm.id).or_insert(alarm);
         }
-        // While the database refuses for long, the oldest are given up.
+        // If the database refuses for long, the oldest changes are given up.
         while self.changed.len() > 2 * MOST_ACTIVE {
             self.changed.pop_first();
         }
@@ -270,11 +271,11 @@ impl AlarmRegister {
         (one.found, one.settles) = (now, Time(one.settles.0.min(now.0)));
         let worse = condition.severity > one.alarm.severity;
         let AlarmCondition { severity, subject, text, remedy, at, waiting, .. } = condition;
-        // The worst that it was stays: an alarm that goes up and down would call people again and again.
+        // The worst severity stays: an alarm that goes up and down would call people again and again.
         let severity = severity.max(one.alarm.severity);
         one.alarm = Alarm { severity, subject, text, remedy, at, waiting, ..one.alarm.clone() };
         if worse {
-            // What somebody took note of, or put aside, was less.
+            // What a person acknowledged or shelved was less bad.
             self.unshelve_key(key);
             self.alter(key, |alarm| alarm.acknowledged = None);
         }
@@ -311,7 +312,7 @@ impl AlarmRegister {
         self.change(Alarm { cleared: Some(now), ..one.alarm });
     }
 
-    /// Alarms of robots join the group of their kind, or are single again where it is over.
+    /// Has alarms of robots join the group of their kind, or makes them single again if the group is over.
     fn join(&mut self) {
         let groups = self.groups();
         let loose =
@@ -323,8 +324,8 @@ impl AlarmRegister {
         }
     }
 
-    /// Members that come to a group of which somebody has taken note are taken note of with it, until it has more than
-    /// twice as many as then. A group of whose members somebody has taken note is taken note of with them.
+    /// Acknowledges new members of an acknowledged group with it, until the group has more than twice as many members
+    /// as when it was acknowledged. Acknowledges a group whose members are all acknowledged.
     fn join_group(&mut self, kind: AlarmKind) {
         let Some((key, group)) = self.active.iter().find(|(_, a)| a.is_group_of(kind)) else { return };
         let (key, id, noted, then) =
@@ -378,7 +379,7 @@ impl AlarmRegister {
         self.active.iter().find(|(_, a)| a.alarm.id == id).map(|(key, _)| key.clone())
     }
 
-    /// Takes note of an alarm of which nobody has.
+    /// Acknowledges an alarm that is not acknowledged yet.
     fn note(&mut self, key: &AlarmKey, noted: &Acknowledgement) {
         if self.active[key].alarm.acknowledged.is_none() {
             self.alter(key, |alarm| alarm.acknowledged = Some(noted.clone()));

@@ -1,4 +1,4 @@
-//! What becomes of alarms: raised, acknowledged, put aside, in groups, over a restart.
+//! What becomes of alarms: raised, acknowledged, shelved, in groups, over a restart.
 
 use super::*;
 use crate::alarm::SubjectKind;
@@ -120,7 +120,7 @@ fn what_could_not_be_written_is_handed_out_again_unless_it_changed() {
     assert!(register.take_changes().is_empty());
 }
 
-/// What a look finds where so many robots are silent, and with them the group or not.
+/// What a look finds if this many robots are silent, with or without their group.
 fn silent_ones(robots: usize, gathering: &mut super::super::groups::Gathering) -> Vec<AlarmCondition> {
     gathering.gather((0..robots).map(|i| silent(&format!("robot-{i}"))).collect(), 200)
 }
