@@ -1,4 +1,4 @@
-//! What is different between two maps, as notes for people.
+//! What differs between two maps, as notes for people.
 //!
 //! Main function: [`notes`]. Refuses: to judge the differences.
 
@@ -7,7 +7,7 @@ use giveway_floor::id::{Dense, IdVec, NodeId};
 use giveway_floor::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeSet;
 
-/// So many names of a list are said.
+/// How many names of a list are given.
 const NAMED: usize = 5;
 /// A node that is farther from its old place than this has moved, metres.
 const MOVED_M: f64 = 0.0005;
@@ -51,7 +51,7 @@ fn names<I: Dense + Ord>(ids: &IdVec<I, Option<I>>, new: usize, name: impl Fn(I)
     added(ids, new).into_iter().map(name).collect()
 }
 
-/// Nodes that are elsewhere: how many, and the one that moved the farthest.
+/// Nodes that have moved: how many, and the one that moved the farthest.
 fn moved(old: &Warehouse, new: &Warehouse, ids: &Matching) -> Option<String> {
     let pairs = ids.nodes.pairs().filter_map(|(a, b)| Some((a, (*b)?)));
     let far = pairs.map(|(a, b)| ((new.nodes[b].at - old.nodes[a].at).norm(), a));
@@ -61,7 +61,7 @@ fn moved(old: &Warehouse, new: &Warehouse, ids: &Matching) -> Option<String> {
     Some(format!("{} nodes moved, by {far:.2} m at most ({name})", moved.len()))
 }
 
-/// Nodes that are for something else now.
+/// Nodes that have another purpose now.
 fn other_purpose(old: &Warehouse, new: &Warehouse, ids: &Matching) -> Option<String> {
     let pairs = ids.nodes.pairs().filter_map(|(a, b)| Some((a, (*b)?)));
     let other = pairs.filter(|(a, b)| purpose(old, *a) != purpose(new, *b));
@@ -90,7 +90,7 @@ fn lanes(w: &Warehouse) -> BTreeSet<String> {
     w.lanes.iter().map(text).collect()
 }
 
-/// How many there are, and the names of some; nothing where there are none.
+/// How many there are, and the names of some; nothing if there are none.
 fn list(what: &str, names: Vec<String>) -> Option<String> {
     let more = names.len().saturating_sub(NAMED);
     let rest = if more > 0 { format!(" and {more} more") } else { String::new() };

@@ -1,4 +1,4 @@
-//! A ledger that goes on at an earlier time than that of its last step: the clock had been wrong.
+//! A ledger that goes on at an earlier time than that of its last step, because the clock had been wrong.
 //!
 //! Main function: [`set_back`]. Refuses: to change times that customers gave (deadlines, ends of closures).
 
@@ -7,7 +7,7 @@ use crate::{Ledger, Promises, Service};
 use giveway_floor::time::{Time, Window};
 
 /// Carries a ledger over to its own map at another time: from then on robots stand where they are, and the jobs that
-/// they had wait again. What is noted as later than `now` has happened by then. `last` is the time of the last step.
+/// they had wait again. Times that are later than `now` become `now`. `last` is the time of the last step.
 pub fn set_back(ledger: &Ledger, last: Time, now: Time) -> Carried {
     let kinds = (ledger.kinds().added().to_vec(), Report::default());
     let mut carried = carry_fitted(ledger, ledger.warehouse(), kinds, now);
@@ -34,7 +34,7 @@ fn not_after(p: &mut Promises, last: Time, now: Time) {
     }
     p.on_floor.values_mut().for_each(|place| set(&mut place.seen));
     p.assignments.values_mut().for_each(|assignment| set(&mut assignment.accepted));
-    // What is closed stays so; what was announced begins when it was said to.
+    // What is closed stays closed; what was announced begins when it was announced for.
     let in_force = p.closures.values_mut().filter(|closure| closure.window.start() <= last);
     in_force.for_each(|c| c.window = Window::new(c.window.start().min(now), c.window.end()));
     p.evacuation.iter_mut().chain(&mut p.stopped).for_each(set);

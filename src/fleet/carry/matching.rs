@@ -1,12 +1,12 @@
-//! Which node, station and rack of the old map is which of the new one: the one of the same name.
+//! Which node, station and rack of the old map is which one of the new map: the one of the same name.
 //!
-//! Main type: [`Matching`]. Refuses: to take something for the same because it is at the same place.
+//! Main type: [`Matching`]. Refuses: to match two things because they are at the same place.
 
 use giveway_floor::id::{Dense, IdVec, NodeId, RackId, StationId};
 use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 
-/// For each thing of the old map the one of the same name on the new map, if there is one.
+/// For each thing of the old map, the one of the same name on the new map, if there is one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Matching {
     /// Nodes.
@@ -44,7 +44,7 @@ fn by_name<I: Dense, T>(
     old.iter().map(|thing| named.get(name(thing)).copied()).collect()
 }
 
-/// Ids of the new map that nothing of the old map has become.
+/// Ids of the new map that match nothing of the old map.
 pub(super) fn added<I: Dense + Ord>(matched: &IdVec<I, Option<I>>, new: usize) -> Vec<I> {
     let known: std::collections::BTreeSet<I> = matched.iter().copied().flatten().collect();
     (0..new).map(I::at).filter(|id| !known.contains(id)).collect()

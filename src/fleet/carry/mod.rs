@@ -1,9 +1,8 @@
 //! A ledger carried over to a changed map: robots stand where they stood, and the jobs that they had wait again.
 //!
-//! Main types: [`Carried`], [`Report`], [`Matching`]; main function [`carry`]. Nodes, stations and racks are matched
-//! by name, all routes are dropped, and everything that the new map has no name for is listed with what to do about
-//! it. Refuses: to guess where something is, and to decide whether a loss is acceptable: that is the operator's
-//! business.
+//! Main types: [`Carried`], [`Report`], [`Matching`]; main function [`carry`]. Nodes, stations and racks are matched by
+//! name, all routes are dropped, and everything that the new map has no name for is listed with what to do about it.
+//! Refuses: to guess where something is, and to decide whether a loss is acceptable: the operator does.
 
 mod changes;
 mod clock;
@@ -31,19 +30,19 @@ use std::collections::BTreeMap;
 pub struct Carried {
     /// What is in the way, what would be lost, what is new.
     pub report: Report,
-    /// The ledger under the new map, without what is lost; nothing where something is in the way.
+    /// The ledger under the new map, without what is lost; nothing if something is in the way.
     pub parts: Option<Parts>,
     /// Jobs that robots had and that wait again.
     pub waiting: Vec<JobId>,
-    /// Jobs that fail, since the map does not have what they name.
+    /// Jobs that fail because the map does not have what they name.
     pub failed: Vec<JobId>,
-    /// Assignments that are cancelled, since the map does not have their place.
+    /// Assignments that are cancelled because the map does not have their place.
     pub cancelled: Vec<AssignmentId>,
-    /// Which of the old map's ids is which of the new one's.
+    /// Which ids of the new map the ids of the old map have become.
     pub ids: Matching,
 }
 
-/// Both maps, and what is found out on the way.
+/// Both maps, and what is found out about them.
 struct Move<'a> {
     ledger: &'a Ledger,
     old: &'a Warehouse,
@@ -53,8 +52,8 @@ struct Move<'a> {
     at: Time,
 }
 
-/// Carries a ledger over to a changed map, which is for the kinds of the site. `at` is the time of its last step: from
-/// then on robots stand where they are. Kinds that were added stay; a map that is not for one of them is refused.
+/// Carries a ledger over to a changed map, which is drawn for the kinds of the site. `at` is the time of the ledger's
+/// last step: from then on robots stand where they are. Added kinds stay; a map that is not for one of them is refused.
 pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
     let mut report = Report::default();
     let is_of_site = |kind: &RobotKind| new.bodies().iter().any(|body| body.kind == kind.name);
@@ -74,7 +73,7 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
     }
 }
 
-/// Carries a ledger over to a map that is for all kinds, with those that were added.
+/// Carries a ledger over to a map that is for all kinds, including the added ones.
 fn carry_fitted(
     ledger: &Ledger,
     new: &Warehouse,
@@ -119,7 +118,7 @@ fn carry_fitted(
     Carried { report: m.report, parts, waiting, failed, cancelled, ids: m.ids }
 }
 
-/// What [`Ledger::evolve`] does where a job fails. Jobs that come after it fail by the usual rule, in the next steps.
+/// What [`Ledger::evolve`] does if a job fails. Jobs behind it fail by the usual rule, in the next steps.
 fn end_job(promises: &mut Promises, ledger: &Ledger, id: JobId, at: Time) {
     let over = &ledger.jobs[&id];
     if let Some(key) = over.request.key.clone() {
@@ -153,7 +152,7 @@ impl Move<'_> {
         (open, waiting, failed)
     }
 
-    /// A job that waits again. Stations that were served and are gone are forgotten, with their lines.
+    /// A job that waits again. Stations that were served and are gone are dropped, with their lines.
     fn job(&self, job: &Job, mut request: JobRequest) -> Job {
         let (mut served, mut lines) = (Vec::new(), job.lines.clone());
         for (visit, at) in &job.served {
@@ -177,7 +176,7 @@ impl Move<'_> {
         Ok(request)
     }
 
-    /// What is to be picked at the stations that are left must be there on the new map.
+    /// Checks that what is to be picked at the remaining stations is there on the new map.
     fn lines(&self, request: &JobRequest) -> Result<(), String> {
         let Some(rack) = request.kind.rack() else { return Ok(()) };
         let visits: Vec<StationId> = request.stations().map(|v| v.station).collect();
@@ -266,14 +265,14 @@ impl Move<'_> {
         (open, cancelled)
     }
 
-    /// Closures by outline stay as they are; those of nodes lose the nodes that are gone.
+    /// Closures by outline stay as they are; closures of nodes lose the nodes that are gone.
     fn closures(&mut self) -> BTreeMap<ClosureId, Closure> {
         let ledger = self.ledger;
         let all = ledger.closures.iter();
         all.filter_map(|(id, area)| Some((*id, self.closure(&format!("closure c{}", id.0), area)?))).collect()
     }
 
-    /// The same of those that recur.
+    /// Recurring closures by outline stay as they are; those of nodes lose the nodes that are gone.
     fn recurring(&mut self) -> BTreeMap<SeriesId, RecurringClosure> {
         let ledger = self.ledger;
         let mut kept = BTreeMap::new();
@@ -315,7 +314,7 @@ impl Move<'_> {
         paused.filter_map(|(old, since)| Some((self.ids.stations[*old]?, *since))).collect()
     }
 
-    /// Lines that are not confirmed yet go with their station.
+    /// Unconfirmed lines go with their station.
     fn unconfirmed(&self) -> BTreeMap<StationId, Unconfirmed> {
         let all = self.ledger.unconfirmed.iter();
         all.filter_map(|(old, lines)| Some((self.ids.stations[*old]?, lines.clone()))).collect()

@@ -1,6 +1,6 @@
 //! Where robots and racks are on the new map, and where robots bring the racks that are on them.
 //!
-//! Main type: `Placed`. Refuses: to move anything that stands, and two robots or two racks where one has room.
+//! Main type: `Placed`. Refuses: to move anything that stands, and to put two robots or two racks where one has room.
 
 use super::Move;
 use super::matching::added;
@@ -27,7 +27,7 @@ struct Load {
     rack: RackId,
     /// Where the robot stands.
     at: NodeId,
-    /// The storage node that the rack was bound for, where it is one still.
+    /// The storage node that the rack was bound for, if it is still one.
     bound: Option<NodeId>,
     store: Option<NodeId>,
 }
@@ -87,7 +87,7 @@ impl Move<'_> {
         stands
     }
 
-    /// Robots that have no room beside one on a node.
+    /// Robots that have no room beside a robot on a node.
     fn too_near(&self, robot: RobotId, here: NodeId, by_node: &BTreeMap<NodeId, RobotId>) -> Vec<RobotId> {
         let line = |robot: RobotId, node: NodeId| {
             let body = self.new.body_of(&self.ledger.robots[robot].kind);
@@ -132,7 +132,7 @@ impl Move<'_> {
         racks
     }
 
-    /// A rack on the node of the same name, which has to be a storage node.
+    /// Puts a rack on the node of the same name, which has to be a storage node.
     fn stored_at(&mut self, rack: &str, node: NodeId) -> Option<RackAt> {
         let name = &self.old.nodes[node].name;
         let why = match self.ids.nodes[node] {
@@ -166,7 +166,7 @@ impl Move<'_> {
         loads
     }
 
-    /// Robots that cannot leave with their racks: the place is one now that only unloaded robots come to.
+    /// Refuses robots that cannot leave with their racks: only unloaded robots come to their node on the new map.
     fn shut_in(&mut self, loads: &[Load]) {
         for load in loads {
             let leaves = self.new.out(load.at).any(|(_, arc)| arc.users.allows(true));
@@ -181,7 +181,7 @@ impl Move<'_> {
         }
     }
 
-    /// Racks that are new on the map stand at home, or, where something is there, on the nearest node that is free.
+    /// Puts racks that are new on the map at home or, if something is there, on the nearest free node.
     fn new_racks(
         &mut self,
         mut racks: IdVec<RackId, Option<RackAt>>,
@@ -213,7 +213,7 @@ impl Move<'_> {
         racks.iter().map(|at| at.unwrap_or(nowhere)).collect()
     }
 
-    /// Storage nodes that jobs ask for, with the rack that is to come there.
+    /// Storage nodes that jobs ask for, each with the rack that is to come there.
     fn wanted(&self) -> BTreeSet<(NodeId, RackId)> {
         let kinds = self.ledger.jobs.values().map(|job| job.request.kind);
         let goals = kinds.filter_map(|kind| match kind {
@@ -223,8 +223,8 @@ impl Move<'_> {
         goals.collect()
     }
 
-    /// The nearest storage node that is free; one that no job wants for another rack, and on which no other robot
-    /// stands, if there is one.
+    /// The nearest free storage node; if there is one, a node that no job wants for another rack, and on which no other
+    /// robot stands.
     fn best_free(
         &self,
         load: &Load,
@@ -252,7 +252,7 @@ impl Move<'_> {
         self.report.refuse(at, what, "add a storage node to the map");
     }
 
-    /// Each robot is idle, or brings away the rack that it carries.
+    /// Makes each robot idle, or has it bring away the rack that it carries.
     fn robots(&self, stores: &BTreeMap<RobotId, Task>) -> IdVec<RobotId, Robot> {
         let robot = |(id, old): (RobotId, &Robot)| {
             let task = stores.get(&id).copied().unwrap_or(Task::Idle);
@@ -261,9 +261,9 @@ impl Move<'_> {
         self.ledger.robots.pairs().map(robot).collect()
     }
 
-    /// One visit for each robot, without end. Its serial number is higher than all of the old route, so that a late
-    /// report about the old route cannot be mistaken for one about the new. Where a robot that has left once stood does
-    /// not matter: it holds nothing there.
+    /// One visit without end for each robot. Its serial number is higher than any of the old route, so that a late
+    /// report about the old route cannot be mistaken for one about the new. It does not matter where a robot that has
+    /// left once stood: it holds nothing there.
     fn chains(&self, stands: &BTreeMap<RobotId, NodeId>) -> Vec<ChainParts> {
         let left_from = |robot: RobotId| self.ids.nodes[self.ledger.node_of(robot)].unwrap_or(NodeId(0));
         let chain = |robot: RobotId| {

@@ -1,21 +1,21 @@
-//! What is said about carrying a ledger over: in words, each entry with what to do.
+//! The report about carrying a ledger over: in words, each entry with what to do.
 //!
 //! Main types: [`Report`], [`ReportEntry`]. Refuses: to leave an entry out; texts for people are cut, and say how much.
 
 use giveway_floor::geometry::Spot;
 use std::fmt;
 
-/// So many entries of each kind are shown as text.
+/// How many entries of each kind are shown as text.
 const SHOWN: usize = 20;
 
 /// Something that is in the way or would be lost.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReportEntry {
-    /// What, and where.
+    /// What is in the way or would be lost, and where.
     pub what: String,
     /// What to do.
     pub remedy: String,
-    /// Where that is on the old map; nothing where it is at no place.
+    /// Where that is on the old map; nothing if it is at no place.
     pub at: Option<Spot>,
 }
 
@@ -25,14 +25,14 @@ impl fmt::Display for ReportEntry {
     }
 }
 
-/// What is said about carrying a ledger over to a changed map.
+/// The report about carrying a ledger over to a changed map.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
-    /// What has to be changed on the floor or on the map first: nothing is carried over.
+    /// What has to be changed on the floor or on the map first: until then, nothing is carried over.
     pub obstacles: Vec<ReportEntry>,
-    /// What would be lost: carried over only if the operator accepts that.
+    /// What would be lost: the ledger is carried over only if the operator accepts that.
     pub losses: Vec<ReportEntry>,
-    /// What is different between the maps.
+    /// What differs between the maps.
     pub changes: Vec<String>,
     /// What else happens on the floor, and needs nothing.
     pub notes: Vec<String>,
@@ -44,7 +44,7 @@ impl Report {
         self.obstacles.is_empty() && self.losses.is_empty()
     }
 
-    /// What is different, and what else happens.
+    /// What differs, and what else happens.
     pub fn all_notes(&self) -> Vec<String> {
         self.changes.iter().chain(&self.notes).cloned().collect()
     }
