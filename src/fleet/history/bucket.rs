@@ -1,17 +1,17 @@
-//! What happened in one stretch of time.
+//! What happened in one span of time.
 //!
-//! Main type: [`Bucket`]. Refuses: rates, which readers make of sums and of the time that is covered.
+//! Main type: [`Bucket`]. Refuses: rates, which readers compute from sums and the time that is covered.
 
 use super::{Lengths, RobotTimes};
 use crate::Counts;
 use giveway_floor::time::{Span, Time};
 
-/// Sums over a stretch of time.
+/// Sums over a span of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bucket {
-    /// When it began; it is as long as all of its tier.
+    /// When the bucket began; it is as long as all of its tier.
     pub start: Time,
-    /// How much of it was seen: less than its length where the server did not run, or where it is not over yet.
+    /// How much of the bucket was seen: less than its length if the server did not run, or the bucket is not over yet.
     pub covered: Span,
     /// Racks served at stations.
     pub robot_deliveries: u64,
@@ -27,19 +27,19 @@ pub struct Bucket {
     pub replans: u64,
     /// Routes planned.
     pub plans: u64,
-    /// Searches that found none.
+    /// Searches that found no route.
     pub plan_failures: u64,
-    /// Time of workers on the floor, all together.
+    /// Time of workers on the floor, summed over the workers.
     pub worker_time: Span,
-    /// Time that robots stood although they would have driven on, all together.
+    /// Time for which robots stood although they would have driven on, summed over the robots.
     pub waiting_time: Span,
     /// Order lines that were over, at picking stations.
     pub lines: u64,
     /// Reaches of pickers that were warned of.
     pub wrong_reaches: u64,
-    /// Time in which picking stations had no rack to pick from, all together.
+    /// Time in which picking stations had no rack to pick from, summed over the stations.
     pub idle_time: Span,
-    /// How long robots were at what, and waited for what.
+    /// How long robots did what, and waited for what.
     pub robots: RobotTimes,
     /// How long searches took.
     pub searches: Lengths,
@@ -48,7 +48,7 @@ pub struct Bucket {
 }
 
 impl Bucket {
-    /// What was counted between two moments. A count that became smaller belongs to another run and says nothing.
+    /// What was counted between two moments. A count that became smaller belongs to another run and tells nothing.
     pub fn between(before: &Counts, now: &Counts) -> Bucket {
         let more = |of: fn(&Counts) -> u64| of(now).saturating_sub(of(before));
         Bucket {
@@ -66,7 +66,7 @@ impl Bucket {
         }
     }
 
-    /// Adds what happened in another one.
+    /// Adds what happened in another bucket.
     pub fn add(&mut self, other: &Bucket) {
         self.covered += other.covered;
         self.robot_deliveries += other.robot_deliveries;

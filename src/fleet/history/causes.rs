@@ -1,13 +1,13 @@
 //! What robots that stand on their way wait for in the end.
 //!
-//! Main types: [`WaitCause`], [`RobotTimes`]. A robot that waits for a robot that waits waits for what that one waits
-//! for. Refuses: to change anything; the fleet keeps a graph of its own.
+//! Main types: [`WaitCause`], [`RobotTimes`]. A robot that waits for a waiting robot waits for what that one waits for.
+//! Refuses: to change anything; the fleet keeps a graph of its own.
 
 use crate::{Activity, RobotView, View, Why};
 use giveway_floor::id::Dense;
 use giveway_floor::time::Span;
 
-/// Longer chains than this count as traffic; so do circles.
+/// Longer chains than this count as traffic; so do cycles.
 const LONGEST_CHAIN: usize = 200;
 
 /// What robots wait for in the end.
@@ -15,7 +15,7 @@ const LONGEST_CHAIN: usize = 200;
 pub enum WaitCause {
     /// Robots that go about their work.
     Traffic,
-    /// Somebody on the floor.
+    /// A person on the floor.
     Person,
     /// A closed area.
     Closure,
@@ -23,16 +23,16 @@ pub enum WaitCause {
     Station,
     /// A robot that cannot drive or is not heard of.
     RobotOut,
-    /// A robot that somebody paused, stopped or sent to maintenance.
+    /// A robot that a person paused, stopped or sent to maintenance.
     ByHand,
     /// Something that stands on the way.
     Obstacle,
-    /// A route that is not found yet.
+    /// A route that has not been found yet.
     NoRoute,
 }
 
 impl WaitCause {
-    /// All of them, in the order of [`RobotTimes::waiting`].
+    /// All causes, in the order of [`RobotTimes::waiting`].
     pub const ALL: [WaitCause; 8] = [
         WaitCause::Traffic,
         WaitCause::Person,
@@ -44,7 +44,7 @@ impl WaitCause {
         WaitCause::NoRoute,
     ];
 
-    /// The word for it on the wire.
+    /// The word for the cause on the wire.
     pub fn word(self) -> &'static str {
         match self {
             WaitCause::Traffic => "traffic",
@@ -59,17 +59,17 @@ impl WaitCause {
     }
 }
 
-/// How long robots were at what, all robots together.
+/// How long robots did what, summed over the robots.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RobotTimes {
-    /// By activity, as in [`Activity::ALL`].
+    /// Time by activity, as in [`Activity::ALL`].
     pub activities: [Span; Activity::ALL.len()],
-    /// What they waited for while their activity was waiting, as in [`WaitCause::ALL`].
+    /// Time by what robots waited for while their activity was waiting, as in [`WaitCause::ALL`].
     pub waiting: [Span; WaitCause::ALL.len()],
 }
 
 impl RobotTimes {
-    /// That for so long all robots were at what they are at in this view.
+    /// The times if, for this span, all robots did what they do in this view.
     pub fn of(view: &View, span: Span) -> RobotTimes {
         let mut out = RobotTimes::default();
         for robot in &view.robots {
@@ -81,13 +81,13 @@ impl RobotTimes {
         out
     }
 
-    /// Adds those of another time.
+    /// Adds the times of another span.
     pub fn add(&mut self, other: &RobotTimes) {
         let pairs = self.activities.iter_mut().zip(other.activities);
         pairs.chain(self.waiting.iter_mut().zip(other.waiting)).for_each(|(sum, span)| *sum += span);
     }
 
-    /// As text, to be written down: `word:microseconds` with blanks between.
+    /// The times as text, to be stored: `word:microseconds` with blanks between.
     pub fn text(&self) -> String {
         let activities = Activity::ALL.map(Activity::word).into_iter().zip(self.activities);
         let waiting = WaitCause::ALL.map(WaitCause::word).into_iter().zip(self.waiting);
@@ -95,7 +95,7 @@ impl RobotTimes {
         known.map(|(word, span)| format!("{word}:{}", span.0)).collect::<Vec<_>>().join(" ")
     }
 
-    /// From such a text; words that are not known are left out.
+    /// Reads such a text; unknown words are left out.
     pub fn parse(text: &str) -> RobotTimes {
         let mut out = RobotTimes::default();
         for (word, span) in text.split(' ').filter_map(|entry| entry.split_once(':')) {
@@ -110,8 +110,8 @@ impl RobotTimes {
     }
 }
 
-/// What a robot waits for in the end: also one that stands outside a station waits for what keeps those that are
-/// before it there.
+/// What a robot waits for in the end. A robot that stands outside a station waits for what keeps the robots before it
+/// there.
 fn cause(view: &View, from: &RobotView) -> WaitCause {
     let mut robot = from;
     for _ in 0..LONGEST_CHAIN {
@@ -133,7 +133,7 @@ fn cause(view: &View, from: &RobotView) -> WaitCause {
         let Some(next) = next.and_then(|next| view.robots.get(next.ix())) else { return WaitCause::Traffic };
         match next.activity {
             Activity::Waiting => robot = next,
-            // Those in a queue may be kept by what is no matter of the station.
+            // Robots in a queue may be kept by something that has nothing to do with the station.
             Activity::Queueing | Activity::Picking if next.why.is_some() => robot = next,
             Activity::Failed | Activity::Offline => return WaitCause::RobotOut,
             Activity::Paused | Activity::Stopped | Activity::OutOfService => return WaitCause::ByHand,

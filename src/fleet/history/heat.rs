@@ -1,6 +1,6 @@
 //! Where robots waited, and for how long: seconds per place, in buckets of five minutes, for a day.
 //!
-//! Main types: [`Heat`], [`HeatBucket`]. In each bucket at most 2000 places are kept, those with the most waiting.
+//! Main types: [`Heat`], [`HeatBucket`]. In each bucket, the places with the most waiting are kept, 2000 at most.
 //! Refuses: to know which robots waited, or why.
 
 use super::floor;
@@ -11,18 +11,18 @@ use std::collections::{BTreeMap, VecDeque};
 /// Length of a bucket.
 pub const STEP: Span = Span::from_secs(300);
 
-/// How many are kept: a day.
+/// How many buckets are kept: a day.
 pub const DAY: usize = 288;
 
-/// So many places are kept in a bucket.
+/// How many places are kept in a bucket.
 const PLACES: usize = 2000;
 
-/// Waiting in one stretch of time.
+/// Waiting in one span of time.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct HeatBucket {
-    /// When it began.
+    /// When the bucket began.
     pub start: Time,
-    /// How long robots waited where.
+    /// How long robots waited at each node.
     pub waited: BTreeMap<NodeId, Span>,
 }
 
@@ -33,14 +33,14 @@ pub struct Heat {
 }
 
 impl Heat {
-    /// With what was kept of earlier runs, in any order.
+    /// The heat with the buckets that were kept of earlier runs, in any order.
     pub fn restore(mut kept: Vec<HeatBucket>) -> Heat {
         kept.sort_by_key(|b| b.start);
         let skip = kept.len().saturating_sub(DAY);
         Heat { buckets: kept.into_iter().skip(skip).collect() }
     }
 
-    /// Notes that robots waited at these places for so long.
+    /// Notes that robots waited at these places for this long.
     pub fn note(&mut self, now: Time, span: Span, places: &[NodeId]) {
         let start = floor(now, STEP);
         if self.buckets.back().is_none_or(|b| b.start != start) {
@@ -61,7 +61,7 @@ impl Heat {
         }
     }
 
-    /// How long robots waited where, in all buckets from `from` on and before `to`.
+    /// How long robots waited at each node, in all buckets from `from` on and before `to`.
     pub fn read(&self, from: Time, to: Time) -> BTreeMap<NodeId, Span> {
         let mut out = BTreeMap::new();
         for bucket in self.buckets.iter().filter(|b| floor(from, STEP) <= b.start && b.start < to) {

@@ -1,6 +1,6 @@
-//! How long things took, in classes a quarter of an octave wide: quantiles of many, in few bytes, that can be added.
+//! How long things took, in classes a quarter of an octave wide: quantiles of many values, in few bytes, to be added.
 //!
-//! Main type: [`Lengths`]. A quantile is off by at most a tenth. Refuses: single values, but for the longest.
+//! Main type: [`Lengths`]. A quantile is off by at most a tenth. Refuses: single values, except the longest.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ const PER_OCTAVE: f64 = 4.0;
 /// The last class: 2^32 µs, more than an hour.
 const LAST: u8 = 128;
 
-/// Lengths in microseconds.
+/// Lengths of time in microseconds.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lengths {
     classes: BTreeMap<u8, u64>,
@@ -18,14 +18,14 @@ pub struct Lengths {
 }
 
 impl Lengths {
-    /// Takes one in.
+    /// Takes in one length, microseconds.
     pub fn note(&mut self, us: u64) {
         let class = (PER_OCTAVE * (us.max(1) as f64).log2()).floor() as u8;
         *self.classes.entry(class.min(LAST)).or_default() += 1;
         self.max_us = self.max_us.max(us);
     }
 
-    /// Takes many in.
+    /// Takes in all lengths of another value.
     pub fn add(&mut self, other: &Lengths) {
         for (class, n) in &other.classes {
             *self.classes.entry(*class).or_default() += n;
@@ -33,17 +33,17 @@ impl Lengths {
         self.max_us = self.max_us.max(other.max_us);
     }
 
-    /// How many there are.
+    /// How many lengths there are.
     pub fn count(&self) -> u64 {
         self.classes.values().sum()
     }
 
-    /// The longest, microseconds.
+    /// The longest length, microseconds.
     pub fn max_us(&self) -> u64 {
         self.max_us
     }
 
-    /// So many percent are not longer, microseconds: the middle of a class; nothing where there is none.
+    /// The length that this many percent do not exceed, microseconds: the middle of a class; nothing if there are none.
     pub fn quantile_us(&self, percent: u64) -> Option<u64> {
         let wanted = (self.count() * percent).div_ceil(100).max(1);
         let mut passed = 0;
@@ -57,13 +57,13 @@ impl Lengths {
         None
     }
 
-    /// As text, to be written down: `class:count` with blanks between, then the longest.
+    /// The lengths as text, to be stored: `class:count` with blanks between, then the longest.
     pub fn text(&self) -> String {
         let classes = self.classes.iter().map(|(class, n)| format!("{class}:{n} "));
         format!("{}max:{}", classes.collect::<String>(), self.max_us)
     }
 
-    /// From such a text; nothing where it is none.
+    /// Reads such a text; nothing if it is not one.
     pub fn parse(text: &str) -> Option<Lengths> {
         let mut out = Lengths::default();
         for word in text.split(' ') {

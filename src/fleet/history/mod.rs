@@ -24,17 +24,17 @@ use std::collections::{BTreeMap, VecDeque};
 pub const TIERS: [(Span, usize); 3] =
     [(Span::from_secs(10), 360), (Span::from_secs(60), 1440), (Span::from_secs(600), 4464)];
 
-/// Views farther apart have a gap between them, and what happened in it is in no bucket. A recording that is shown
-/// many times as fast has views that are seconds apart.
+/// Views farther apart than this have a gap between them, and what happened in the gap is in no bucket. A recording
+/// that is shown many times as fast has views that are seconds apart.
 const GAP: Span = Span::from_secs(60);
 
-/// Slower than this is standing, metres per second.
+/// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.05;
 
 /// How long searches and steps took since the view before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoopTimes {
-    /// Searches for routes, microseconds each.
+    /// How long each search for a route took, microseconds.
     pub searches_us: Vec<u64>,
     /// The longest step, microseconds.
     pub step_us: u64,
@@ -49,7 +49,7 @@ pub struct History {
 }
 
 impl History {
-    /// With what was kept of earlier runs: the length of each bucket with it, in any order.
+    /// The history with the buckets that were kept of earlier runs, each with its length, in any order.
     pub fn restore(kept: Vec<(Span, Bucket)>, heat: Vec<HeatBucket>) -> History {
         let mut out = History { heat: Heat::restore(heat), ..History::default() };
         let mut kept = kept;
@@ -62,7 +62,7 @@ impl History {
         out
     }
 
-    /// Takes a view in. Time that runs backwards, as when a recording is wound back, takes away what comes later.
+    /// Takes a view in. If time runs backwards, as when a recording is wound back, what comes later is dropped.
     pub fn note(&mut self, view: &View, times: &LoopTimes) {
         let now = view.now;
         let Some((then, before)) = self.last.replace((now, view.counts)) else { return };
@@ -92,8 +92,8 @@ impl History {
         self.heat.note(now, span, &places);
     }
 
-    /// Buckets of this length from `from` on and before `to`, those of which nothing is known left out. The length is
-    /// a multiple of the finest; they come from the finest buckets that go back so far.
+    /// Buckets of length `step` from `from` on and before `to`; buckets of which nothing is known are left out. The
+    /// length is a multiple of the finest; the figures come from the finest buckets that go back so far.
     pub fn read(&self, from: Time, to: Time, step: Span) -> Vec<Bucket> {
         let mut found: BTreeMap<Time, Bucket> = BTreeMap::new();
         for bucket in &self.tiers[self.tier(from, step)] {
@@ -106,12 +106,12 @@ impl History {
         found.into_values().filter(|b| b.covered > Span::ZERO).collect()
     }
 
-    /// Where robots waited.
+    /// Where robots waited, and for how long.
     pub fn heat(&self) -> &Heat {
         &self.heat
     }
 
-    /// Buckets that changed since `saved`, with their lengths, to be written down.
+    /// Buckets that changed since `saved`, with their lengths, to be stored.
     pub fn since(&self, saved: Time) -> Vec<(Span, Bucket)> {
         let tiers = self.tiers.iter().zip(TIERS);
         tiers
@@ -122,7 +122,7 @@ impl History {
             .collect()
     }
 
-    /// From when on buckets of each length are kept: older ones need not be written down any longer.
+    /// From when on buckets of each length are kept: older ones need not be stored any longer.
     pub fn kept_from(now: Time) -> [(Span, Time); 3] {
         TIERS.map(|(step, most)| (step, now - step * most as i64))
     }
@@ -140,7 +140,7 @@ impl History {
         fitting().find(reaches).or_else(|| fitting().next_back()).unwrap_or(0)
     }
 
-    /// Whether a tier has all that coarser ones have.
+    /// Whether a tier goes back as far as coarser ones.
     fn is_whole(&self, i: usize) -> bool {
         let first = |t: &VecDeque<Bucket>| t.front().map(|b| b.start);
         let oldest = self.tiers.iter().filter_map(first).min();
@@ -155,7 +155,7 @@ impl History {
     }
 }
 
-/// Whether a robot stands and would drive on: others, people, closed areas or full queues keep it.
+/// Whether a robot stands and would drive on: others, people, closed areas or full queues hold it up.
 pub fn waits(robot: &RobotView) -> bool {
     let kept = |why: Why| {
         why.station().is_some()
@@ -169,7 +169,7 @@ pub fn floor(t: Time, step: Span) -> Time {
     Time(t.0.div_euclid(step.0) * step.0)
 }
 
-/// Adds to the last bucket, or begins a new one; the oldest make room.
+/// Adds to the last bucket, or begins a new one; the oldest ones make room.
 fn push(tier: &mut VecDeque<Bucket>, fresh: Bucket, most: usize) {
     match tier.back_mut() {
         Some(last) if last.start == fresh.start => last.add(&fresh),

@@ -1,4 +1,4 @@
-//! Figures over time, from views that are made up.
+//! Figures over time, from made-up views.
 
 use super::*;
 use crate::WorkerView;
@@ -199,7 +199,7 @@ fn a_robot_that_waits_for_a_robot_that_waits_waits_for_what_that_one_waits_for()
         doing(Failed, Some(Why::Failed)),
         doing(Waiting, on(6)),
         doing(Driving, None),
-        // A circle of two.
+        // A cycle of two robots.
         doing(Waiting, on(8)),
         doing(Waiting, on(7)),
         doing(Waiting, on(10)),
