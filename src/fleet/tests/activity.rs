@@ -1,4 +1,4 @@
-//! What a robot is at: one word that is true at every moment, with since when.
+//! What a robot is doing: one word that is true at every moment, and since when.
 
 use super::*;
 
@@ -60,7 +60,7 @@ fn no_robot_that_is_said_to_drive_stands_for_long_and_those_that_wait_all_stand(
             let stands = robot.speed_mps < 0.01;
             let drives = robot.activity == Activity::Driving;
             stood[r] = if stands && drives { stood[r] + period } else { Span::ZERO };
-            // Turning about on the spot takes some seconds.
+            // Turning on the spot takes some seconds.
             assert!(
                 stood[r] < Span::from_secs(8),
                 "robot {r} drives at {} and stands: {:?}",

@@ -60,7 +60,7 @@ fn dependants_of_a_job_that_fails_while_jobs_are_handed_out_fail_too() {
     let first = floor.submit(request(JobKind::Park { robot }));
     assert!(floor.is(first, "waiting"), "its robot is halted");
     let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(3)) });
-    // As the assigning phase does when no way leads to the goal of a robot that the customer named.
+    // As dispatch does when no way leads to the goal of a robot that the customer named.
     let state = JobState::Failed(JobFailure::Unreachable);
     floor.fleet.internals_mut().writer.record(JobFact::Progressed {
         job: first,

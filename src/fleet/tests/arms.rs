@@ -7,14 +7,14 @@ use giveway_floor::warehouse::stations;
 
 const S1: StationId = StationId(0);
 
-/// An arm that does at once what it is told.
+/// An arm that does what it is told at once.
 struct ArmFloor {
     floor: TestFloor,
     face: PickFace,
     job: JobId,
     joints: Joints,
     gripped: Option<(u64, Gripped)>,
-    /// How many trajectories it got.
+    /// How many trajectories the arm got.
     got: usize,
 }
 
@@ -145,7 +145,7 @@ fn an_arm_that_its_own_stop_holds_again_and_again_stands_long_enough_for_the_per
     for _ in 0..600 {
         let before = cell.joints;
         cell.say(Some(ArmReport { is_stopped: held > 0, ..cell.report() }));
-        // Whenever it has moved for half a second, its stop holds it for as long.
+        // Whenever the arm has moved for half a second, its stop holds it for as long.
         moved = if cell.joints == before { 0 } else { moved + 1 };
         stood = if cell.joints == before { stood + 1 } else { 0 };
         longest = longest.max(stood);

@@ -1,4 +1,4 @@
-//! Robots that would only stand until a worker has gone by drive more slowly instead, and are not later for it.
+//! Robots that would only stand until a worker has gone by drive more slowly instead, and arrive no later for it.
 
 use super::*;
 use giveway_people::aware::SLOW_MPS;
@@ -9,8 +9,8 @@ impl TestFloor {
         yielding.limits(writer.floor(), people, traffic).arrival_limit(RobotId(0), self.now)
     }
 
-    /// A robot at full speed, before which somebody crosses from the side, so far ahead, or comes to stand there: the
-    /// limits with which it was to arrive later, in the order of steps.
+    /// A robot at full speed, and a person who crosses from the side this far ahead of it, or comes to stand there: the
+    /// limits with which the robot was to arrive later, in the order of steps.
     fn crossed(ahead_m: f64, stays: bool) -> Vec<f64> {
         let mut floor = TestFloor::new(thesis(), &scenario(1));
         floor.submit(request(deliver(40)));

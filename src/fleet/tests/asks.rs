@@ -6,7 +6,7 @@ use giveway_floor::geometry::{Point, Spot};
 use giveway_floor::id::WorkerId;
 use giveway_floor::time::Window;
 
-/// The answer to what is asked, in the form that the request says.
+/// The answer to a request, in the form that the request says.
 #[track_caller]
 fn answered<A: std::fmt::Debug>(floor: &mut TestFloor, ask: Ask<A>) -> A {
     let answer = floor.answer_to(3, vec![Input::ask(3, ask.request.clone())]);

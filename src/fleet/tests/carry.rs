@@ -24,7 +24,7 @@ fn changed(map: &Warehouse, change: impl FnOnce(&mut Draft)) -> Warehouse {
     draft.build().expect("well-formed")
 }
 
-/// The same floor, but everything has another number.
+/// The same floor, with all numbers changed.
 fn permuted(map: &Warehouse) -> Warehouse {
     changed(map, |draft| {
         draft.nodes.reverse();
@@ -70,7 +70,7 @@ impl TestFloor {
         ledger.robots.pairs().map(place).collect()
     }
 
-    /// Every rack by name, with the robot or the node that it is on.
+    /// Every rack by name, each with the robot or the node that it is on.
     fn rack_places(&self) -> BTreeSet<(String, String)> {
         let at = |at: RackAt| match at {
             RackAt::Stored(node) => self.name_of(node),
@@ -226,7 +226,7 @@ fn two_robots_that_have_no_room_beside_one_another_on_the_new_map_are_in_the_way
     let floor = TestFloor::lab(2);
     let places = floor.places();
     let (a, b) = (&places[0].1, &places[1].1);
-    // Where one stands is moved to within a robot's width of the other: no map that is well-formed has that in `lab`.
+    // One robot's node is moved to within a robot's width of the other's: no well-formed map has that in `lab`.
     let mut draft = json::parse_draft(&json::write(&lab())).unwrap();
     let at = draft.nodes.iter().find(|n| n.name == *a).unwrap().at;
     let node = draft.nodes.iter_mut().find(|n| n.name == *b).unwrap();
@@ -389,7 +389,7 @@ fn new_racks_stand_at_home_or_on_the_next_free_storage_node() {
     let on = floor.under(map, &scenario(1));
     assert!(on.rack_places().contains(&("fresh".to_owned(), home.clone())));
     assert_eq!(on.rack_places().len(), on.fleet.warehouse().racks.len(), "none stands where another does");
-    // Its home is where an old rack has come to stand meanwhile.
+    // The home of the new rack is where an old rack has come to stand meanwhile.
     floor.submit(request(JobKind::Relocate { rack: RackId(0), node: free }));
     floor.until_over(600);
     let old_home = floor.name_of(kept.home);

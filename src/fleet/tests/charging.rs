@@ -7,7 +7,7 @@ fn charging_so(charging: Charging) -> [RobotKind; 1] {
     [RobotKind { charging, ..RobotKind::default() }]
 }
 
-/// The hall of the thesis with so many chargers, and batteries that last for an hour of driving.
+/// The hall of the thesis with this many chargers, and batteries that last for an hour of driving.
 fn few_chargers(robots: usize, chargers: usize) -> Scenario {
     let closed = (chargers + 1..=10).map(|i| format!("C{i}-15")).collect();
     let closing = Closing { nodes: closed, ..Closing::default() };
@@ -56,7 +56,7 @@ fn a_robot_with_a_flat_battery_has_failed_and_another_one_does_its_job() {
     let job = floor.submit(request(deliver(3)));
     floor.until(60, "a robot has it", |f| f.is(job, "assigned"));
     let robot = floor.state(job).and_then(|s| s.robot()).expect("it is assigned");
-    // Off the charger on which it began.
+    // The robot drives off the charger on which it began.
     floor.run(4);
     floor.world.drain(robot);
     floor.until(10, "it has failed", |f| f.fleet.ledger().robots[robot].failed);

@@ -23,7 +23,7 @@ fn aisle(from_s: f64, until_s: f64) -> Closure {
     }
 }
 
-/// Whether a robot there reaches into the aisle.
+/// Whether a robot at this place reaches into the aisle.
 fn is_in(p: Point) -> bool {
     (p.x - 6.0).abs() < 0.5 && (0.5..6.5).contains(&p.y)
 }
@@ -40,7 +40,7 @@ impl TestFloor {
         self.world.truth().filter(|(_, t)| is_in(t.pose.at)).map(|(r, _)| r).collect()
     }
 
-    /// Jobs without end, at all racks in turn, and how many robot-steps are spent in the aisle until then.
+    /// Submits jobs at all racks in turn until then; returns how many robot-steps are spent in the aisle.
     fn busy_until(&mut self, end: Time) -> usize {
         let mut spent = 0;
         while self.now < end {
@@ -207,7 +207,7 @@ fn a_closure_that_is_announced_changes_routes_that_were_promised_before() {
     while changed == 0 {
         floor.busy_until(floor.now + Span::from_secs(5));
         assert!(floor.now < seconds(600.0), "nobody drives through the aisle");
-        // Somebody is to be in the aisle in twenty seconds or more.
+        // A person is to be in the aisle in twenty seconds or more.
         let soon = floor.now + Span::from_secs(20);
         let w = floor.fleet.warehouse().clone();
         let meets = |f: &TestFloor, r: RobotId, window: Window| {

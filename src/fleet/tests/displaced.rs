@@ -62,7 +62,8 @@ impl TestFloor {
         self.facts.iter().any(placed)
     }
 
-    /// Resumes what a simulated operator paused before the restart: the operator after it does not know of that.
+    /// Resumes what a simulated operator paused before the restart: the operator after the restart does not know of
+    /// that.
     fn let_all_go_on(&mut self) {
         let ledger = self.fleet.ledger();
         let robots = ledger.robots.pairs().filter(|(_, r)| r.paused.is_some());
@@ -146,7 +147,7 @@ fn a_robot_pushed_between_nodes_is_displaced_with_words_until_it_is_pushed_onto_
     assert_eq!(floor.story(go), ["assigned", "done"]);
 }
 
-/// A robot that stands for a moment with rack 40 on it, and the job for which it does.
+/// A robot that stands for a moment with rack 40 on it, and the job for which it carries the rack.
 fn standing_with_its_rack() -> (TestFloor, JobId, RobotId) {
     let mut floor = TestFloor::thesis(2);
     let job = floor.submit(request(deliver(40)));
@@ -224,7 +225,7 @@ fn a_robot_that_drives_stops_before_one_that_was_pushed_onto_its_way_and_both_go
     floor.run(5);
     let far = floor.fleet.warehouse().racks[RackId(60)].home;
     let job = floor.submit(request(JobKind::Go { robot: way, node: far }));
-    // Far enough ahead that it can stop when it hears of it.
+    // The end of the grant is far enough ahead for the robot to stop when it is told to.
     let end = |f: &TestFloor| {
         let chain = f.fleet.ledger().chain(way);
         chain.get(chain.granted() - 1).map(|v| f.at(v.node)).expect("it is held")
@@ -285,7 +286,7 @@ fn with_customers_of_every_kind(seed: u64, rate: f64) -> Scenario {
 }
 
 /// Pushes some robots, or all, before any of them drives: onto free nodes, off nodes, onto nodes that others hold.
-/// Gives how many.
+/// Returns how many.
 fn push_some(floor: &mut TestFloor, dice: &mut TestDice) -> usize {
     let robots: Vec<RobotId> = floor.fleet.ledger().robots.ids().collect();
     let share = 1 + dice.below(3);
@@ -319,8 +320,8 @@ fn push_some(floor: &mut TestFloor, dice: &mut TestDice) -> usize {
     pushed
 }
 
-/// Drives, is killed, robots are pushed, starts again, three times; then everything ends. Gives how many were pushed,
-/// taken up and failed.
+/// Drives, kills the fleet, pushes robots and starts again, three times; then lets everything end. Returns how many
+/// robots were pushed, taken up and failed.
 fn pushed_at_restarts(seed: u64) -> (usize, usize, usize) {
     let scenario = with_customers_of_every_kind(seed, 1e-9);
     let mut floor = TestFloor::new(thesis(), &scenario);
@@ -387,7 +388,7 @@ fn robots_pushed_anywhere_at_restarts_over_many_seeds() {
     println!("standstills: {standing:?}");
 }
 
-/// Runs a floor on which people push robots that stand. Gives how many pushes there were.
+/// Runs a floor on which people push robots that stand. Returns how many pushes there were.
 fn pushed_all_the_time(seed: u64) -> u64 {
     let scenario = Scenario { duration: Span::from_secs(1200), ..with_customers_of_every_kind(seed, 6.0) };
     let mut sim = Simulation::new(Arc::new(thesis()), &scenario, &[], seed, false, || 0);

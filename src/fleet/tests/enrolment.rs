@@ -1,4 +1,4 @@
-//! Robots that join while the fleet works, go to maintenance, leave the floor and come back.
+//! Robots that join during operation, go to maintenance, leave the floor and come back.
 
 use super::*;
 
@@ -75,7 +75,7 @@ fn no_robot_joins_where_a_late_one_still_stands() {
     let (node, mut now) = (floor.fleet.ledger().node_of(robot), floor.now);
     let refused =
         |r: &Reply| matches!(&r.answer, Err(Refusal::Robot(RobotRefusal::PlaceTaken(n))) if *n == node);
-    // By the plan it was to be gone soon, and nothing is heard of it. Its windows slide, but not in every step.
+    // By the plan the robot was to be gone soon, and is not heard of. Its windows slide, but not in every step.
     for _ in 0..600 {
         now += floor.fleet.settings().period;
         floor.fleet.step(now, vec![]);
@@ -174,7 +174,7 @@ fn the_place_of_a_robot_that_has_left_is_free_and_it_comes_back_elsewhere() {
     let mut floor = TestFloor::thesis(2);
     floor.retire(R0).unwrap();
     floor.until(300, "it is gone", |f| f.is_gone(R0));
-    // Something may panic over it all the same: it is in nobody's way.
+    // A panic may still concern the robot, which is in no robot's way.
     floor.fleet.fence(R0, floor.now);
     assert!(floor.fleet.ledger().robots[R0].fenced.is_none());
     let place = floor.fleet.ledger().node_of(R0);
@@ -214,7 +214,7 @@ fn a_robot_that_drove_when_it_was_heard_of_last_is_gone_only_when_it_must_stand(
     floor.submit(request(deliver(0)));
     floor.until(60, "it drives", |f| f.fleet.telemetry(R0).is_some_and(|t| t.speed_mps > 0.0));
     floor.retire(R0).unwrap();
-    // Nothing is heard of it any more, as where its link is down.
+    // The robot is not heard of any more, as if its link were down.
     let mut is_gone_after = |seconds: i64| {
         floor.fleet.step(floor.now + Span::from_secs(seconds), vec![]);
         floor.is_gone(R0)

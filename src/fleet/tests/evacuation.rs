@@ -1,4 +1,4 @@
-//! The building is evacuated: everybody is led to a door, robots clear the ways and stand, and go on afterwards.
+//! The building is evacuated: all workers are led to doors, robots clear the ways and stand, and go on afterwards.
 
 use super::people::Puppet;
 use super::*;
@@ -46,7 +46,7 @@ impl TestFloor {
         on.iter().any(|n| (w.nodes[*n].at - at).norm() < 0.9)
     }
 
-    /// One period in which everybody is seen, told and walks.
+    /// One period in which all people are seen, told and walk.
     fn all_walk(&mut self, people: &mut [Puppet]) -> Step {
         let seen = people.iter_mut().map(|p| p.sighting(self.now)).collect();
         let step = self.step(seen);
@@ -104,7 +104,7 @@ fn everybody_is_out_within_a_minute_and_a_half_and_all_jobs_are_done_afterwards(
     let view = floor.fleet.view(floor.now);
     assert!(view.counts.waiting >= waiting, "no job has begun");
     assert!(view.workers.iter().all(|w| w.guidance.reason == Some(GuidanceReason::Evacuation)), "told why");
-    // Robots that were in the way have left; then nobody moves any more.
+    // Robots that were in the way have left; then no robot moves any more.
     for _ in 0..300 {
         floor.all_walk(&mut people);
     }

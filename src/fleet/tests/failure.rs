@@ -1,11 +1,11 @@
-//! Robots that break down: others take over, go round them, and they go on when they are repaired.
+//! Robots that break down: other robots take over and go round them, and they go on when they are repaired.
 
 use super::*;
 
 const NEVER: Time = Time::MAX;
 
-/// A robot that drives among racks, at work as `wanted` says, and shuts no robot in: from most storage nodes a loaded
-/// robot has one way out.
+/// A robot that drives among racks on a task that `wanted` accepts, and shuts no robot in: from most storage nodes, a
+/// loaded robot has one way out.
 fn in_an_aisle(floor: &TestFloor, wanted: fn(&Task) -> bool) -> Option<RobotId> {
     let (w, ledger) = (floor.fleet.warehouse(), floor.fleet.ledger());
     let near = |a: NodeId, b: NodeId| (w.nodes[a].at - w.nodes[b].at).norm() < 1.5 * w.footprint_m;

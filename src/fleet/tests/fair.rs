@@ -1,4 +1,4 @@
-//! Jobs begin in the order of urgency: a rack that is much in demand keeps its robot from no job that is more urgent.
+//! Jobs begin in the order of urgency: a rack in high demand keeps its robot from no job that is more urgent.
 
 use super::*;
 use giveway_fleet::state::index::urgency_ms;
@@ -17,8 +17,8 @@ fn quick(rack: u32, priority: u8) -> JobRequest {
 }
 
 /// One robot works on a rack for which a job comes every four seconds, as fast as they are picked; then a job for the
-/// other rack comes that it alone may do, whether or not another robot rests. How many of the former have begun after
-/// it when it begins, and after how many seconds.
+/// other rack comes that only this robot may do, whether or not another robot rests. Returns how many jobs for the
+/// first rack begin after this job comes and before it begins, and after how many seconds it is done.
 fn passed_by(robots: usize, priority: u8) -> (usize, i64) {
     let mut floor = small(robots);
     floor.submit(quick(1, 0));

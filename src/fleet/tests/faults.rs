@@ -1,4 +1,4 @@
-//! What robots say is wrong with them: each fault has one reaction and one reason, and ends.
+//! What robots report as wrong with them: each fault has one reaction and one reason, and ends.
 
 use super::*;
 use giveway_floor::route::Cause;
@@ -6,7 +6,7 @@ use giveway_sim::Simulation;
 
 const R0: RobotId = RobotId(0);
 
-/// Robot 0 drives with a rack, and this is wrong with it for so long.
+/// Robot 0 drives with a rack, and has this fault for this long.
 fn afflicted(robots: usize, fault: Fault, seconds: i64) -> (TestFloor, JobId) {
     let mut floor = TestFloor::thesis(robots);
     let job = floor.submit(request(deliver(3)));
@@ -48,7 +48,7 @@ fn a_robot_that_is_driven_by_hand_is_taken_up_where_that_ends() {
     let (mut floor, job) = afflicted(1, Fault::Manual, 60);
     floor.run(5);
     assert_eq!(floor.fleet.why(R0), Some(Why::Manual));
-    // Somebody drives it to a free node that it does not hold.
+    // A person drives the robot to a free node that it does not hold.
     let ledger = floor.fleet.ledger();
     let held: Vec<NodeId> = ledger.chain(R0).visits().map(|v| v.node).collect();
     let aisle = |n: &NodeId| floor.fleet.warehouse().kind(*n) == NodeKind::Aisle && !held.contains(n);

@@ -1,4 +1,4 @@
-//! Hands at work cells: they confirm lines, let the rack go at the last grasp, and keep it where they are inside.
+//! Hands at work cells: they confirm lines, let the rack go at the last grasp, and keep it while they are inside.
 
 use super::*;
 use giveway_cell::{
@@ -45,7 +45,7 @@ impl CellFloor {
         CellFloor { floor, face, job, at, warnings: Vec::new() }
     }
 
-    /// The right hand moves there, seen 60 times a second.
+    /// Moves the right hand to a place; it is seen 60 times a second.
     fn moves(&mut self, to: FacePlace, seconds: f64) {
         let (from, steps) = (self.at, (seconds * 10.0).round() as usize);
         for step in 0..steps {

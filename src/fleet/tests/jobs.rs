@@ -76,7 +76,7 @@ fn the_backlog_has_the_most_urgent_jobs_first_and_no_more_than_asked_for() {
     assert!(order(&floor, high));
 }
 
-/// One robot has `picks` long picks to do, of high priority, while three jobs wait; during the last pick comes a job
+/// One robot has `picks` long picks of high priority to do, while three jobs wait; during the last pick, a job comes
 /// that is due `due` seconds later.
 fn with_a_deadline(picks: u32, due: i64) -> (TestFloor, Vec<JobId>, JobId, Time) {
     let mut floor = TestFloor::lab(1);
@@ -246,7 +246,7 @@ fn a_job_that_one_robot_alone_can_do_is_not_lost_behind_a_hundred_others() {
     let kiva = giveway_floor::warehouse::formats::json::parse(include_str!("../../../maps/kiva.json"))
         .expect("is a map");
     let mut floor = TestFloor::new(kiva, &scenario(200));
-    // Robots that begin beneath racks, with more idle robots before them than a step matches.
+    // Robots that begin beneath racks, behind more idle robots than a step matches.
     let beneath = |r: usize| {
         let node = floor.fleet.ledger().node_of(RobotId::at(r));
         floor.fleet.ledger().racks.pairs().find(|(_, at)| **at == RackAt::Stored(node)).map(|(rack, _)| rack)
@@ -276,7 +276,7 @@ fn a_robot_comes_to_where_another_rests_though_more_rest_on_the_straight_way() {
     let mut floor = TestFloor::thesis(6);
     let rests: Vec<NodeId> = (1..=6).map(|y| floor.node(&format!("S1-{y}"))).collect();
     let rest = |robot: usize| request(JobKind::Go { robot: RobotId::at(robot), node: rests[robot] });
-    // The innermost first, so that none is in another's way.
+    // The innermost robot first, so that no robot is in another's way.
     let there: Vec<JobId> = [5, 4, 3, 2, 1, 0].map(|robot| floor.submit(rest(robot))).to_vec();
     floor.until(600, "all rest", |f| there.iter().all(|job| f.state(*job).is_none()));
     floor.until(60, "all are idle", |f| (0..6).all(|r| f.is_idle(RobotId::at(r))));

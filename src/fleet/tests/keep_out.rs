@@ -41,7 +41,7 @@ impl TestFloor {
         w.nodes.ids().min_by(|a, b| off(a).total_cmp(&off(b))).expect("some node")
     }
 
-    /// Walks for so many periods; in how many of them the puppet was in the aisle.
+    /// Walks for this many periods; returns in how many of them the puppet was in the aisle.
     fn stroll(&mut self, puppet: &mut Puppet, periods: usize) -> usize {
         let mut inside = 0;
         for _ in 0..periods {
@@ -107,7 +107,7 @@ fn who_is_inside_when_it_begins_is_led_out_and_goes_on_when_it_is_over() {
     let mut floor = TestFloor::thesis(0);
     let mut ana = floor.hire(Point::new(6.0, 3.0));
     let place = floor.near(6.0, 3.0);
-    // The work takes longer than there is time, as nobody knew when it began.
+    // The work takes longer than there is time, which was not known when it began.
     floor.assign(&ana, place, 40);
     floor.stroll(&mut ana, 100);
     let closure = floor.bar(&AISLE, 25.0, 60.0, Binds::Both);

@@ -1,4 +1,4 @@
-//! Customers' keys: known for a week at least, and for as long as what they were given for is open; then forgotten.
+//! Customers' keys: known for at least a week, and as long as their job or assignment is open; then forgotten.
 
 use super::*;
 use giveway_fleet::state::worker::AssignmentRequest;

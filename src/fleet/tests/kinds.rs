@@ -21,12 +21,12 @@ fn slow() -> RobotKind {
     RobotKind { name: "mover".into(), kinematics, ..RobotKind::default() }
 }
 
-/// As many robots, of the usual kind and of another one in turn.
+/// This many robots, of the usual kind and of another one in turn.
 fn two_kinds(robots: usize, other: RobotKind) -> Scenario {
     scenario(robots).with_kinds([RobotKind::default(), other])
 }
 
-/// How long the way to another place of the same distance is planned to take, for the robot of each kind.
+/// How long the way to another place at the same distance is planned to take, for the robot of each kind.
 fn planned(floor: &TestFloor, robot: usize) -> Span {
     let chain = floor.fleet.ledger().chain(RobotId::at(robot));
     let (first, last) = (chain.get(chain.first()), chain.last());
@@ -38,7 +38,7 @@ fn a_slow_robot_is_planned_as_slow_as_it_drives() {
     let mut floor = TestFloor::new(thesis(), &two_kinds(2, slow()));
     let goals = [floor.free_storage(), floor.free_storage()];
     for (robot, node) in goals.into_iter().enumerate() {
-        // One after the other, each from where it began to the same place and back.
+        // One robot after the other, each from where it began to the same place and back.
         let home = floor.fleet.ledger().node_of(RobotId::at(robot));
         let go = |node| request(JobKind::Go { robot: RobotId::at(robot), node });
         let there = floor.submit(go(node));
@@ -108,7 +108,7 @@ fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
     assert!(floor.fleet.ledger().timeline().chain(holder).is_some());
 }
 
-/// Small robots for bins, and large ones for everything, on the hall that is for both.
+/// Small robots for bins, and large ones for everything, in the hall that is drawn for both.
 fn shuttles_and_movers(robots: usize) -> Scenario {
     let disc = |radius_m| Some(Footprint::Circle { radius_m });
     let (footprints, carries) = ([disc(0.2), disc(0.3)], Some(vec!["bin".into()]));
@@ -258,7 +258,7 @@ fn made(body: u32, new: bool) -> Answered {
     Ok(Answer::Kind(Made { id: BodyId(body), new }))
 }
 
-/// A ledger from what is written down of another one, in the building of the site.
+/// A ledger from the stored parts of another one, in the building of the site.
 fn read_back(floor: &TestFloor, scenario: &Scenario) -> Ledger {
     let base = scenario.site.fit(&Arc::new(mixed())).expect("the map is for the site's robots");
     Ledger::from_parts(base, &scenario.site.kinds, floor.fleet.ledger().to_parts()).expect("it is sound")

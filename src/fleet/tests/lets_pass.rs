@@ -1,4 +1,4 @@
-//! People who walk on in front of a robot without end, until they are asked to let it pass.
+//! People who keep walking on in front of a robot, until they are asked to let it pass.
 
 use super::people::Puppet;
 use super::*;
@@ -7,7 +7,7 @@ use giveway_floor::geometry::Point;
 use giveway_floor::warehouse::sketch;
 use giveway_people::aware::BODY_M;
 
-/// A floor with one delivery, and a person near its station with the two ends of a way before it.
+/// A floor with one delivery, and a person near its station with the two ends of a way in front of it.
 fn before_the_station() -> (TestFloor, Puppet, [Point; 2]) {
     let mut floor = TestFloor::lab(1);
     floor.submit(request(deliver(3)));
@@ -19,7 +19,8 @@ fn before_the_station() -> (TestFloor, Puppet, [Point; 2]) {
 }
 
 /// Seconds after which the first delivery is over although a person paces up and down where the robot has to pass, if
-/// it is within so many; the longest time that the person was told to stand for a robot, and whether it was led aside.
+/// it ends within `seconds`; the longest time that the person was told to stand for a robot, and whether the person was
+/// led aside.
 fn paced(seconds: i64, obeys: bool) -> (Option<i64>, Span, bool) {
     let (mut floor, mut ana, ends) = before_the_station();
     let (mut next, mut stood, mut longest, mut was_led) = (0, Span::ZERO, Span::ZERO, false);
@@ -95,8 +96,8 @@ fn a_person_whose_headset_knows_its_place_badly_is_asked_for_marks_before_robots
     }
 }
 
-/// Whether a person before whom a robot waits is asked at once to let it pass, where the robot has kept another worker
-/// in one spot for so many seconds.
+/// Whether a person for whom a robot waits is asked at once to let it pass, if the robot has kept another worker in one
+/// spot for this many seconds.
 fn asked_for_another(kept_s: i64) -> bool {
     let (mut floor, mut ana, ends) = before_the_station();
     let nodes = floor.fleet.warehouse().nodes.iter().map(|n| n.at);

@@ -82,7 +82,7 @@ fn a_paused_robot_gets_no_job_by_name_until_it_goes_on() {
     assert_eq!(floor.story(park), ["assigned", "done"]);
 }
 
-/// Runs until a robot is this far, breaks it for two minutes, and lets everything end.
+/// Runs until a robot has got this far, breaks it for two minutes, and lets everything end.
 #[track_caller]
 fn break_down(so: impl Fn(&TestFloor, RobotId) -> bool) {
     let mut floor = TestFloor::lab(2);

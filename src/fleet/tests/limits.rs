@@ -1,4 +1,4 @@
-//! What is handed in has limits, and who meets one is told.
+//! Requests have limits, and a client that meets one is told.
 
 use super::*;
 use giveway_floor::geometry::{Point, Spot};

@@ -237,7 +237,7 @@ fn lines_that_are_done_one_by_one_teach_the_pace_and_lines_confirmed_at_once_do_
     assert_eq!(taught(Some(StationOrder::Release)), Span::ZERO);
 }
 
-/// A delivery of a rack to a station, with so many lines of three pieces.
+/// A delivery of a rack to a station, with this many lines of three pieces.
 fn lines_for(rack: u32, station: u32, count: u8) -> JobRequest {
     let line = |i: u8| line(["A1", "B1", "C1", "A2", "B2", "C2", "A3", "B3"][usize::from(i)], 3, "A");
     let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: None };

@@ -13,7 +13,7 @@ fn refused(why: RobotRefusal) -> Answered {
     Err(Refusal::Robot(why))
 }
 
-/// What a fleet with these links answers to robots that join, and the links that they have then.
+/// What a fleet with these links answers to robots that join, and which links they have then.
 fn joins(links: &[&str], wanted: &[Option<&str>]) -> (Vec<Answered>, Vec<String>) {
     let links = links.iter().map(|l| (*l).to_owned()).collect();
     let mut fleet = Fleet::new(Arc::new(lab()), Settings { links, ..Settings::default() });
@@ -108,7 +108,7 @@ fn no_robot_is_granted_more_visits_than_its_link_has_room_for() {
     }
 }
 
-/// The orders that robots get which deliver on the thesis' floor among people.
+/// The orders to robots with these capabilities that deliver on the thesis' floor among people.
 fn orders_to(capabilities: Capabilities) -> Vec<Command> {
     let mut scenario = scenario(6);
     scenario.site.kinds[0].capabilities = capabilities;
@@ -158,7 +158,7 @@ fn robots_that_obey_no_limit_are_told_none_and_granted_one_node_at_a_time() {
         most = most.max(grant.serials().count() - 1);
         shown = shown.max(horizon.len());
     }
-    // Where it arrives just now, and one more.
+    // The visit where the robot arrives just now, and one more.
     assert_eq!((shown, most), (2, 2));
 }
 

@@ -1,4 +1,4 @@
-//! Workers of whom nobody knows where they are: through restarts, by a supervisor's word, and by goodbyes.
+//! Workers whose place is not known: through restarts, by a supervisor's word, and by goodbyes.
 
 use super::people::Puppet;
 use super::*;
@@ -10,7 +10,7 @@ impl TestFloor {
         view.workers.get(puppet.worker.ix()).map_or(Presence::Absent, |w| w.presence)
     }
 
-    /// The fleet dies and comes back with its facts, so many seconds later.
+    /// The fleet dies and comes back with its facts after this many seconds.
     fn come_back(&mut self, seconds: i64) {
         let (map, settings) = (self.fleet.warehouse().clone(), self.fleet.settings().clone());
         self.fleet = Fleet::restore(map, settings, self.facts.iter().cloned());

@@ -79,7 +79,7 @@ fn scenario(robots: usize) -> Scenario {
     Scenario::from(Site { name: "test".into(), period: Span::from_millis(100), links, ..Site::default() })
 }
 
-/// The usual kind, but holds outlast it by so much.
+/// The usual kind, but holds outlast the robot by this much.
 fn with_clearance(clearance: Span) -> RobotKind {
     let kinematics = Kinematics { clearance, ..Kinematics::default() };
     RobotKind { kinematics, ..RobotKind::default() }
@@ -129,7 +129,7 @@ impl TestFloor {
         TestFloor::new(thesis(), &scenario(robots))
     }
 
-    /// One control period in which somebody also wants `extra`.
+    /// One control period with the inputs `extra` besides the usual ones.
     fn step(&mut self, extra: Vec<Input>) -> Step {
         let near = self.fleet.people_near(&self.world.robots_beside(), self.world.now());
         self.world.foretell(near);
@@ -138,7 +138,7 @@ impl TestFloor {
         self.take(inputs)
     }
 
-    /// One control period in which the fleet hears just this.
+    /// One control period in which the fleet hears only these inputs.
     fn take(&mut self, inputs: Vec<Input>) -> Step {
         let step = self.fleet.step(self.now, inputs);
         self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
@@ -166,7 +166,7 @@ impl TestFloor {
         }
     }
 
-    /// Deliveries of so many racks, to all stations in turn.
+    /// Deliveries of this many racks, to all stations in turn.
     fn submit_batch(&mut self, count: usize) -> Vec<JobId> {
         let w = self.fleet.warehouse();
         let (racks, stations) = (w.racks.len(), w.stations.len());
@@ -196,7 +196,7 @@ impl TestFloor {
         }
     }
 
-    /// Steps until it is so, for at most so many simulated seconds.
+    /// Steps until `so` holds, for at most this many simulated seconds.
     fn until(&mut self, seconds: i64, what: &str, so: impl Fn(&TestFloor) -> bool) {
         let end = self.now + Span::from_secs(seconds);
         while !so(self) {
@@ -263,7 +263,7 @@ impl TestFloor {
         all.into_iter().find(|n| !taken(n) && !resident(n)).expect("some storage is free")
     }
 
-    /// No task but to stand somewhere.
+    /// Whether a robot has no task but to stand somewhere.
     fn is_idle(&self, robot: RobotId) -> bool {
         self.fleet.ledger().robots[robot].task == Task::Idle
     }

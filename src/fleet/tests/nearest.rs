@@ -1,4 +1,4 @@
-//! Assignments that wait for the nearest worker who is free.
+//! Assignments that wait for the nearest free worker.
 
 use super::people::Puppet;
 use super::*;
@@ -22,7 +22,7 @@ impl TestFloor {
         }
     }
 
-    /// Both are seen where they stand.
+    /// Both workers are seen where they stand.
     fn see(&mut self, puppets: &mut [Puppet]) {
         let seen = puppets.iter_mut().map(|p| p.sighting(self.now)).collect();
         self.step(seen);
@@ -65,7 +65,7 @@ fn of_two_who_have_the_same_way_the_one_with_the_lower_number_gets_it_and_nobody
     floor.see(&mut both);
     let first = floor.offer("S10-1", None);
     assert_eq!(floor.given(), [(first, both[0].worker)]);
-    // Nobody is seen any more.
+    // No worker is seen any more.
     for _ in 0..100 {
         floor.step(vec![]);
     }

@@ -1,5 +1,5 @@
-//! The order of waiting jobs, kept, is the order in which they would be sorted; and closures that come and go leave the
-//! same conditions as if they were looked at in every step.
+//! The order in which waiting jobs are kept is the order in which they would be sorted; and closures that come and go
+//! leave the same conditions as if they were looked at in every step.
 
 use super::*;
 use giveway_fleet::state::index::urgency_ms;
@@ -52,7 +52,7 @@ fn take_in(ledger: &mut Ledger, event: &OrderEvent, at: Time) {
     }
 }
 
-/// A job is cancelled, or done if the robot can begin it at once.
+/// Cancels a job, or ends it as done if the robot can begin it at once.
 fn end(ledger: &mut Ledger, job: JobId, well: bool, at: Time) {
     let ends = |state, tasked| Fact::Job(JobFact::Progressed { job, state, tasked, at });
     let record = &ledger.jobs[&job];
@@ -65,13 +65,13 @@ fn end(ledger: &mut Ledger, job: JobId, well: bool, at: Time) {
     ledger.evolve(&ends(JobState::Done, Some((robot, Task::Idle))));
 }
 
-/// Whether nothing keeps a job from starting, worked out from the ledger alone.
+/// Whether nothing keeps a job from starting, computed from the ledger alone.
 fn is_ready(ledger: &Ledger, job: &Job) -> bool {
     let is_over = |a: &JobId| !ledger.jobs.contains_key(a) && !ledger.ended_badly.contains_key(a);
     job.request.after.iter().all(is_over)
 }
 
-/// The urgency of all waiting jobs by number, worked out one by one.
+/// The urgency of all waiting jobs by number, computed one by one.
 fn urgencies(ledger: &Ledger, now: Time) -> Vec<(JobId, i64)> {
     let urgency = |job: &Job| {
         let same = ledger.jobs.values().filter(|j| j.request.priority == job.request.priority);
@@ -101,7 +101,7 @@ proptest! {
         let of = |id: JobId| known.iter().find(|(j, _)| *j == id).expect("it waits").1;
         let order: Vec<JobId> = ledger.index().queue.in_order(now).collect();
         prop_assert_eq!(order.len(), ledger.jobs.len());
-        // Of two whose urgency differs by less than rounding, either may come first.
+        // If the urgency of two jobs differs by less than rounding, either may come first.
         prop_assert!(order.windows(2).all(|w| of(w[0]) + 2 >= of(w[1])), "{order:?} {known:?}");
         let mut offered: Vec<JobId> = ledger.index().queue.offers(now, |_| true).collect();
         let mut seen = std::collections::BTreeSet::new();

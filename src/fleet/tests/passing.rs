@@ -5,7 +5,7 @@ use super::*;
 use giveway_floor::geometry::Point;
 use giveway_floor::warehouse::{Corridor, Draft, DraftLane, DraftNode, Footprint, Users};
 
-/// A straight way of 24 m from a charger to a parking place with this corridor, and a way round over so many metres.
+/// A straight way of 24 m from a charger to a parking place with this corridor, and a way round of this many metres.
 fn floor(side_m: Option<f64>, round_m: f64, free_navigation: bool) -> TestFloor {
     let mut draft = Draft { name: "way".into(), footprint_m: 0.9, ..Draft::default() };
     let mut node = |name: &str, x: f64, y: f64| {
@@ -38,7 +38,7 @@ fn floor(side_m: Option<f64>, round_m: f64, free_navigation: bool) -> TestFloor 
     TestFloor::new(draft.build().expect("it is a map"), &scenario)
 }
 
-/// What became of a robot that was to drive the whole way while somebody stands on it, or walks.
+/// What became of a robot that was to drive the whole way while a person stands on it, or walks.
 struct PassTrip {
     arrived: Option<f64>,
     passed: bool,

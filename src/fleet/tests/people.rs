@@ -7,17 +7,17 @@ use giveway_people::human::{Quality, Sighting, SourceId};
 
 const STEP_S: f64 = 0.1;
 
-/// Somebody who walks along points at 1.2 m/s and stops before robots.
+/// A person who walks along points at 1.2 m/s and stops before robots.
 pub(super) struct Puppet {
     pub worker: WorkerId,
     pub at: Point,
     pub way: Vec<Point>,
-    /// Whether the way is the puppet's own, not the one that it is shown.
+    /// Whether the way is the puppet's own, not the one that was shown.
     pub own: bool,
     epoch: u32,
     seq: u64,
     pub waited_s: f64,
-    /// What the headset says of its accuracy, one standard deviation, metres.
+    /// The accuracy that the headset reports, one standard deviation, metres.
     pub accuracy_m: f64,
 }
 
@@ -107,7 +107,7 @@ impl TestFloor {
             puppet.way = if g.state == GuidanceState::Stop { vec![] } else { g.path.clone() };
         }
         puppet.walk_on(self);
-        // Nobody is run over: a robot that touches somebody stands, or nearly.
+        // No person is run over: a robot that touches a person stands, or nearly.
         for (r, t) in self.world.truth() {
             let touches = giveway_floor::geometry::axis_distance(t.pose.at, puppet.at) < 0.45 + 0.2;
             assert!(!touches || t.speed_mps < 0.3, "{r:?} runs into somebody at {} m/s", t.speed_mps);
@@ -349,7 +349,7 @@ fn of_an_area_of_nodes_exactly_these_are_closed() {
     let mut floor = TestFloor::lab(1);
     let mut nodes = vec![floor.node("R30"), floor.node("R32")];
     nodes.sort_unstable();
-    // Whatever is drawn around them.
+    // Whatever outline is drawn around them.
     let outline = [(-9.0, -9.0), (99.0, -9.0), (0.0, 99.0)].map(|(x, y)| Point::new(x, y).into()).to_vec();
     let window = giveway_floor::time::Window::new(Time::ZERO, Time::MAX);
     let area = Closure {

@@ -36,7 +36,7 @@ fn break_at(floor: &mut TestFloor, robot: u32, x: f64, y: f64) {
     panic!("the robot did not get there");
 }
 
-/// Somebody on the way from the south of the second aisle to its north.
+/// A worker on the way from the south of the second aisle to its north.
 fn worker(floor: &mut TestFloor) -> Puppet {
     let ana = floor.hire(Point::new(3.0, 0.2));
     let place = at(floor, 3.0, 12.0);
@@ -115,8 +115,7 @@ fn who_is_shut_in_between_robots_that_cannot_move_is_told_to_stop() {
     assert!(words.contains(&"stop"), "{words:?}");
 }
 
-/// [`break_at`] while somebody is on the floor, whom the robot must not be afraid of: she is cleared for the
-/// time.
+/// [`break_at`] while a person is on the floor of whom the robot must not be afraid: she is cleared for that time.
 fn break_at_while(floor: &mut TestFloor, puppet: &mut Puppet, robot: u32, x: f64, y: f64) {
     floor.step(vec![Input::ask(9, WorkerAction::Clear { worker: puppet.worker, by: "Ben".into() })]);
     break_at(floor, robot, x, y);
@@ -125,8 +124,8 @@ fn break_at_while(floor: &mut TestFloor, puppet: &mut Puppet, robot: u32, x: f64
     (puppet.own, puppet.way) = (true, vec![place, Point::new(3.0, 3.2), place]);
 }
 
-/// A corridor of 24 m that a robot fills, with bays so deep that a robot in one is in nobody's way. People
-/// walk in the corridor only.
+/// A corridor of 24 m that a robot fills, with bays so deep that a robot in one is in no one's way. People walk in the
+/// corridor only.
 fn corridor(bays: &str, robots: usize) -> TestFloor {
     let stem = bays.replace('P', ".");
     let mut draft = sketch(&[bays, &stem, &stem, &stem, "X......................X"].join("\n"));

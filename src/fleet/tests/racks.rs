@@ -74,7 +74,7 @@ fn a_rack_that_people_take_off_a_broken_robot_is_in_storage_and_another_robot_go
         assert_eq!(floor.answer_to(4, vec![Input::ask(4, RobotAction::Retire(robot))]), Ok(Answer::Done));
         let gone = |f: &TestFloor| f.fleet.ledger().robots[robot].is_gone();
         floor.until(120, "the robot can be taken away", gone);
-        // It broke down at the station in one of the two cases, and no other robot came there before.
+        // In one of the two cases, the robot broke down at the station, and no other robot came there before.
         floor.until(900, "another robot has done it", |f| f.state(job).is_none());
         floor.assert_done_once(&[job]);
     }

@@ -4,7 +4,7 @@ use super::people::Puppet;
 use super::*;
 use giveway_floor::geometry::{Point, Vector};
 
-/// A robot on its way, and a person who appears so far ahead of it and stands there.
+/// A robot on its way, and a person who appears this far ahead of it and stands there.
 fn face_to_face(faults: Faults, ahead_m: f64) -> (TestFloor, Puppet) {
     let mut floor = TestFloor::new(thesis(), &Scenario { faults, ..scenario(1) });
     floor.submit(request(deliver(40)));
@@ -61,7 +61,7 @@ fn a_robot_that_faces_somebody_for_long_comes_back_and_takes_another_way() {
 #[test]
 fn a_robot_between_two_nodes_goes_on_to_the_one_that_it_can_get_to() {
     let mut seen = 0;
-    // She stays before it, or is behind it so many steps after it has forgotten where it was going.
+    // She stays before the robot, or is behind it this many steps after it has forgotten where it was going.
     for (ahead_m, behind_after) in [(3.1, None), (3.2, None), (3.0, Some(0)), (3.3, Some(5)), (3.4, Some(9))]
     {
         let (mut floor, mut ana) = face_to_face(Faults::default(), ahead_m);
@@ -111,7 +111,7 @@ fn a_robot_that_stands_for_one_and_then_for_another_comes_back_as_for_one() {
     spend(15, &mut floor, [&mut ana, &mut ben]);
     let robot = RobotId(0);
     let stood = floor.robot_at();
-    // Seven times they take turns, as those who pass one another do; none of them stands there for long.
+    // Seven times they take turns, as people do who pass one another; none of them stands there for long.
     for turn in 0..7 {
         (ana.at, ben.at) = if turn % 2 == 0 { (away, here) } else { (here, away) };
         let seen = [ana.appear(floor.now), ben.appear(floor.now)];
@@ -136,7 +136,7 @@ fn laws_hold_while_recalls_and_orders_are_late_and_lost() {
         let (mut floor, mut ana) = face_to_face(faults, ahead_m);
         let home = ana.at;
         for i in 0..1500 {
-            // She steps aside and back again, so that orders and recalls cross.
+            // She steps aside and back again, so that orders and revocations cross.
             if i % 240 == 200 {
                 ana.way = vec![home + Vector::new(0.0, 0.3), home];
             }

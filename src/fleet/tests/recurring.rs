@@ -76,7 +76,7 @@ fn a_restart_announces_no_occurrence_twice_and_passes_over_those_that_it_missed(
     floor.0 = again;
     step(&mut floor, at(HOUR + 61), vec![]);
     assert_eq!(open(&floor, at(HOUR + 61)), before);
-    // Nobody was there for five hours, and the sixth occurrence is in force.
+    // The fleet did not run for five hours, and the sixth occurrence is in force.
     floor.0 = Fleet::restore(thesis().into(), scenario(0).site.settings(), floor.1.clone());
     step(&mut floor, at(6 * HOUR + 60), vec![]);
     let begins: Vec<i64> = open(&floor, at(6 * HOUR + 60)).iter().map(|(_, begins)| *begins).collect();

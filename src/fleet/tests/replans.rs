@@ -1,4 +1,4 @@
-//! What is noted of robots that get another way, and of where people are going.
+//! What is recorded of robots that get another route, and of where people are going.
 
 use super::*;
 use crate::{FloorNote, ReplanCause};
@@ -6,7 +6,7 @@ use giveway_floor::geometry::{Point, Spot};
 use giveway_floor::time::Window;
 use std::collections::BTreeMap;
 
-/// One replan: the robot, because of what, both ways and when.
+/// One replan: the robot, the cause, both routes and when.
 type Replan = (RobotId, ReplanCause, Vec<Spot>, Vec<Spot>, Time);
 
 impl TestFloor {
@@ -60,7 +60,7 @@ fn a_closed_aisle_is_noted_as_the_cause_with_a_way_through_it_before_and_another
     }
     let in_aisle = |s: &Spot| (s.x_mm - 6000).abs() < 500 && (500..6500).contains(&s.y_mm);
     for (robot, _, was, now, _) in &replans {
-        // Only the first forty nodes of a way are noted.
+        // Only the first forty nodes of a route are recorded.
         assert!(was.len() == 40 || was.iter().any(in_aisle), "{robot:?} was to drive through it: {was:?}");
         assert_ne!(was, now);
     }

@@ -1,9 +1,9 @@
-//! Restarts: the ledger is what its facts say, and a fleet that has seen nothing goes on from it.
+//! Restarts: the ledger is what its facts say, and a fleet that has seen nothing goes on from the ledger.
 
 use super::*;
 
 impl TestFloor {
-    /// Everything is gone but the facts and the floor: robots stand where the ledger has them.
+    /// Restarts from the facts and the floor alone: robots stand where the ledger has them.
     pub(super) fn restart(&mut self, scenario: &Scenario) {
         let warehouse = self.fleet.warehouse().clone();
         self.fleet = Fleet::restore(warehouse.clone(), scenario.site.settings(), self.facts.clone());

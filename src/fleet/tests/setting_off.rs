@@ -4,7 +4,7 @@ use super::*;
 use giveway_people::aware::Meter;
 use giveway_people::aware::Near;
 
-/// A robot between the racks that an operator lets go on when a person behind it, on the way past it, is so near; what
+/// A robot between the racks, released by an operator when a person behind it, on the way past it, is this near; what
 /// both do for ten seconds from then on.
 fn walked_up_to(apart_m: f64) -> Vec<(Near, Option<f64>)> {
     let mut floor = TestFloor::new(thesis(), &scenario(1));
@@ -44,7 +44,7 @@ fn a_robot_sets_off_before_somebody_only_where_it_gets_away() {
         meter.begun() > 0
     };
     let met: Vec<f64> = (15..50).map(|d| f64::from(d) / 10.0).filter(meets).collect();
-    // People are not seen without delay: one of the distances may be the wrong one.
+    // People are seen with a delay: one of the distances may be the wrong one.
     assert!(met.len() <= 1, "it set off too late, with her at {met:?} m");
 }
 

@@ -1,20 +1,20 @@
-//! Dead ends, corridors and stations in which a robot breaks down: all that have a way out leave and work on, the
-//! others say what they wait for, and every job goes on after the repair.
+//! Dead ends, corridors and stations in which a robot breaks down: all robots that have a way out leave and work on,
+//! the others say what they wait for, and every job goes on after the repair.
 
 use super::*;
 use giveway_floor::warehouse::sketch;
 
 const NEVER: Time = Time::MAX;
 
-/// An aisle with one end among racks, and one rack and free storage beside the stations, of which each has room for
-/// one robot.
+/// An aisle with one end among racks, and one rack and free storage beside the stations, each of which has room for one
+/// robot.
 const AISLE: &str = "
     PPP123S
     .......R
     .-----S----
     .RRRRRRRRRR
     ...........";
-/// The racks that are farthest in, and the one beside the stations.
+/// The racks that are farthest in, and the rack beside the stations.
 const FAR: [u32; 3] = [10, 9, 8];
 const BESIDE: u32 = 7;
 
@@ -56,7 +56,7 @@ impl TestFloor {
         self.fleet.view(self.now).why_job(self.fleet.warehouse(), job, &self.fleet.ledger().jobs[&job])
     }
 
-    /// The robots with racks in a part of the floor, the westernmost first, once all of these are there and the one of
+    /// The robots with racks in a part of the floor, the westernmost first, once this many are there and the robot of
     /// this rank drives over open floor.
     fn caught(&mut self, count: usize, rank: usize, is_there: fn((i64, i64)) -> bool) -> Vec<RobotId> {
         let there = |f: &TestFloor| {

@@ -20,7 +20,7 @@ fn stand(node: NodeId) -> Visit {
     Visit { node, lane: None, loaded: false, enter: from, arrive: from, depart: to, leave: to, stay }
 }
 
-/// Until then, robots that are still to be planned are taken to stand where they are.
+/// Until then, robots that are still to be planned are assumed to stand where they are.
 const HEAD_START: Time = Time(20_000_000);
 
 /// Routes of all robots, planned in this order, each around those before it; `None` if one finds no way.
@@ -52,7 +52,7 @@ fn plan(planner: &mut Planner, ways: &[(NodeId, NodeId)], order: &[usize]) -> Op
     Some(timeline)
 }
 
-/// What was found on the way through all states.
+/// What was found while visiting all states.
 #[derive(Default)]
 struct Explored {
     seen: HashSet<(Vec<Chain>, usize)>,
@@ -61,8 +61,8 @@ struct Explored {
 }
 
 impl Explored {
-    /// Visits every state that can be reached by granting a robot its next visit, by a robot arriving there, and by
-    /// at most `delays` times a robot being late, in any order.
+    /// Visits every state that can be reached, in any order, by granting a robot its next visit, by a robot arriving
+    /// there, and by at most `delays` times a robot being late.
     fn explore(start: Timeline, delays: usize) -> Explored {
         let mut found = Explored::default();
         let mut open = vec![(start, delays)];
@@ -88,14 +88,14 @@ impl Explored {
     }
 }
 
-/// What a robot can do next: get its next visit, arrive at the next one that it was given.
+/// What a robot can do next: get its next visit, or arrive at the next one that it was given.
 fn moves(timeline: &Timeline, h: RobotId) -> Vec<Timeline> {
     let chain = timeline.chain(h).expect("it holds something");
     let mut next = Vec::new();
     if chain.granted() < chain.end() && timeline.waits_for(h, chain.granted()).is_none() {
         let before = chain.get(chain.granted() - 1).expect("it is still held").enter;
         let mut granted = timeline.clone();
-        // As early as can be.
+        // The grant comes as early as it can.
         granted.grant(h, chain.granted(), before + Span(1));
         next.push(granted);
     }

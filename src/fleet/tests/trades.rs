@@ -25,7 +25,7 @@ impl TestFloor {
         self.fleet.ledger().node_of(robot)
     }
 
-    /// Sends each of these robots to the place of the next one, and the last to that of the first.
+    /// Sends each of these robots to the place of the next one, and the last robot to the place of the first.
     fn rotate(&mut self, robots: &[RobotId]) -> Vec<JobId> {
         let places: Vec<NodeId> = robots.iter().map(|r| self.where_is(*r)).collect();
         let goals = places.iter().cycle().skip(1);

@@ -1,4 +1,4 @@
-//! Turns at stations and chargers: in the order of lifting, and promises to robots that cannot come lapse.
+//! Turns at stations and chargers: in the order of lifting; promises to robots that cannot come lapse.
 
 use super::*;
 use giveway_sim::Closing;
@@ -48,7 +48,7 @@ fn places_at_a_station_are_given_in_the_order_of_lifting() {
 #[test]
 fn a_station_is_said_to_be_full_only_while_a_robot_stands_in_every_place_of_it() {
     let mut floor = TestFloor::new(thesis(), &scenario(14));
-    // Picks that last for so long that the line fills up behind them.
+    // Picks that last so long that the line fills up behind them.
     let pick = Some(Span::from_secs(60));
     for rack in 0..14 {
         let kind = JobKind::Deliver { rack: RackId(rack * 5), station: StationId(0), pick };
@@ -121,7 +121,7 @@ fn a_place_that_was_promised_to_robots_that_cannot_come_goes_to_others_after_a_m
     assert_eq!(floor.fleet.ledger().counts.robot_deliveries, 14, "those that had been paused came after all");
 }
 
-/// Two robots in the hall of the thesis with one charger, of which one is on its way to it.
+/// Two robots in the hall of the thesis with one charger, to which one of them is on its way.
 fn one_charger() -> (TestFloor, RobotId, NodeId) {
     let closed = (2..=10).map(|i| format!("C{i}-15")).collect();
     let closing = Closing { nodes: closed, ..Closing::default() };

@@ -1,4 +1,4 @@
-//! Whoever asks why a job or a robot does not go on gets the reason, to its root.
+//! A query why a job or a robot does not go on gets the reason, to its root.
 
 use super::*;
 use giveway_floor::geometry::Point;
@@ -9,7 +9,7 @@ impl TestFloor {
         self.fleet.view(self.now).why_job(self.fleet.warehouse(), job, &self.fleet.ledger().jobs[&job])
     }
 
-    /// The chain of some robot whose root is so, once there is one.
+    /// The chain of some robot whose root meets the condition, once there is one.
     fn chain_to(&mut self, seconds: i64, so: impl Fn(&[Waiting]) -> bool) -> Vec<Waiting> {
         let end = self.now + Span::from_secs(seconds);
         while self.now < end {

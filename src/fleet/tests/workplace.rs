@@ -1,11 +1,11 @@
-//! People in the workplace of a station are apart from robots; whoever steps out of it is a worker like any other.
+//! People in the workplace of a station are apart from robots; a person who steps out of it is a worker like any other.
 
 use super::people::Puppet;
 use super::*;
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::warehouse::stations;
 
-/// A floor with somebody in the workplace of the first station.
+/// A floor with a person in the workplace of the first station.
 fn at_work() -> (TestFloor, Puppet) {
     let mut floor = TestFloor::new(stations(), &scenario(2));
     let cell = floor.fleet.warehouse().stations[StationId(0)].cell.clone().expect("it is a work cell");

@@ -1,7 +1,7 @@
 //! Robots and a worker that move in steps: half a lane in a second.
 //!
-//! Main types: [`StepRobot`], [`FootWorker`]. A robot obeys orders as `sim/robot/` does, but is always on a node, or
-//! a number of eighths of a lane from it. It is never pushed and never breaks down.
+//! Main types: [`StepRobot`], [`FootWorker`]. A robot obeys orders as `sim/robot/` does, but is always on a node, or a
+//! number of eighths of a lane from it. It is never pushed and never breaks down.
 
 use crate::{Act, Command, Guidance, GuidanceState, Telemetry, Waypoint};
 use giveway_floor::geometry::{Point, Pose, axis_distance};
@@ -15,9 +15,9 @@ use std::collections::VecDeque;
 pub(super) const HALF_M: f64 = 0.45;
 /// Half the width of a person, metres.
 const PERSON_M: f64 = 0.25;
-/// A robot's scanner stops it before a person who is this near to it, metres beyond its side.
+/// A robot's scanner stops it before a person within this distance beyond its side, metres.
 const SCAN_M: f64 = 0.5;
-/// It has come to stand so far before that person, metres beyond its side.
+/// How far before that person, beyond its side, the robot has come to stand, metres.
 const STOPS_M: f64 = 0.35;
 /// How far a person walks in a second, metres.
 const STRIDE_M: f64 = 1.5;
@@ -26,22 +26,22 @@ const STRIDE_M: f64 = 1.5;
 #[derive(Clone, Debug)]
 pub(super) struct StepRobot {
     pub id: RobotId,
-    /// Serial number of the visit that it reached last, and its node.
+    /// Serial number of the visit that the robot reached last, and its node.
     pub reached: u64,
     pub node: NodeId,
-    /// It is on the lane to this node, and has driven so many eighths of it.
+    /// The lane's end node, if the robot is on a lane, and how many eighths of the lane it has driven.
     pub lane: Option<(NodeId, u8)>,
-    /// Waypoints that it knows and has not reached; the visit that it reached last where it is to drive back there.
+    /// Waypoints that the robot knows and has not reached; if it is to drive back, the visit that it reached last.
     pub path: VecDeque<Waypoint>,
     pub acted: Option<u64>,
-    /// What it is to do where it stands.
+    /// What the robot is to do where it stands.
     pub acting: Option<(u64, Act)>,
     pub rack: Option<RackId>,
     pub limit_mps: Option<f64>,
     recalls: u64,
-    /// Whether it forgot its waypoints between two nodes.
+    /// Whether the robot forgot its waypoints between two nodes.
     pub has_forgotten: bool,
-    /// Whether it drove in this second and would go on, and where it was before.
+    /// Whether the robot drove in this second and would go on, and where it was before.
     speed_mps: f64,
     pub was_at: Point,
     heading: f64,
@@ -80,7 +80,7 @@ impl StepRobot {
         self.path.back().map_or(self.reached, |w| w.serial)
     }
 
-    /// Whether it drives back to the node that it reached last.
+    /// Whether the robot drives back to the node that it reached last.
     fn returns(&self) -> bool {
         self.path.front().is_some_and(|w| w.serial == self.reached)
     }
@@ -105,7 +105,7 @@ impl StepRobot {
         }
     }
 
-    /// Takes on the waypoints that it does not know yet, as [`Command::Drive`] says.
+    /// Takes on the waypoints that the robot does not know yet, as [`Command::Drive`] says.
     fn learn(&mut self, waypoints: &[Waypoint]) {
         let ends_here = waypoints.last().is_some_and(|w| w.serial == self.reached);
         if ends_here && self.has_forgotten && self.path.is_empty() && self.speed_mps == 0.0 {
@@ -134,8 +134,8 @@ impl StepRobot {
         }
     }
 
-    /// Where on its lane it is after the next second in which it drives, if it may drive: half a lane on, or less where
-    /// a person is before it.
+    /// Where on its lane the robot is after the next second in which it drives, if it may drive: half a lane on, or
+    /// less if a person is before it.
     fn next_place(&self, w: &Warehouse, person: Option<Point>) -> Option<(NodeId, u8)> {
         let next = self.path.front().filter(|_| self.acting.is_none() && self.limit_mps != Some(0.0))?;
         let (lane, driven) = self.lane.unwrap_or((next.node, 0));
@@ -148,12 +148,12 @@ impl StepRobot {
         [4, 2, 1].map(after).into_iter().find(free)
     }
 
-    /// Whether a second of its own would change anything.
+    /// Whether a second in which the robot acts would change anything.
     pub fn is_able(&self, w: &Warehouse, person: Option<Point>) -> bool {
         self.acting.is_some() || self.next_place(w, person).is_some()
     }
 
-    /// One second in which it does what it may.
+    /// One second in which the robot does what it may.
     pub fn live(&mut self, w: &Warehouse, person: Option<Point>) {
         self.rest(w);
         if let Some((serial, act)) = self.acting.take() {
@@ -182,12 +182,12 @@ impl StepRobot {
         self.speed_mps = if goes_on { way.norm() } else { 0.0 };
     }
 
-    /// One second in which it is late.
+    /// One second in which the robot is late.
     pub fn rest(&mut self, w: &Warehouse) {
         (self.was_at, self.speed_mps) = (self.at(w), 0.0);
     }
 
-    /// What it says in the middle of the second, or at its end; `before` is how it was before.
+    /// What the robot reports in the middle of the second, or at its end; `before` is its state before the second.
     pub fn report(&self, w: &Warehouse, before: Option<&StepRobot>, now: Time) -> Telemetry {
         let (said, at) = match before {
             Some(before) => (before, nalgebra::center(&self.was_at, &self.at(w))),
@@ -232,7 +232,7 @@ pub(super) enum FootMove {
     Towards(Point),
 }
 
-/// A worker who is seen where he or she is.
+/// A worker who is seen at his or her true place.
 #[derive(Clone, Debug)]
 pub(super) struct FootWorker {
     pub worker: WorkerId,
@@ -255,7 +255,7 @@ impl FootWorker {
         self.told = told;
     }
 
-    /// One second, with robots that drive from one place to another in it: nobody walks into a robot.
+    /// One second, in which robots drive from one place to another: the worker walks into no robot.
     pub fn live(&mut self, does: FootMove, robots: &[(Point, Point)]) {
         self.was_at = self.at;
         let mut left = STRIDE_M;
@@ -273,7 +273,7 @@ impl FootWorker {
         }
     }
 
-    /// Walks towards a place, as far as robots leave room; gives how far that was.
+    /// Walks towards a place, as far as robots leave room; returns how far that was, metres.
     fn step(&mut self, there: Point, most_m: f64, robots: &[(Point, Point)]) -> f64 {
         let way = there - self.at;
         let stride = way.norm().min(most_m);

@@ -1,4 +1,4 @@
-//! Visits every state of a tiny floor within bounds, and asks of each whether the fleet gets on from there.
+//! Visits every state of a tiny floor within bounds, and checks for each whether the fleet makes progress from there.
 //!
 //! Main types: [`Exploration`], [`StateBounds`].
 
@@ -11,38 +11,38 @@ use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// If no robot gets on for this long although all do what they may, the floor stands.
+/// If no robot makes progress for this long although all do what they may, the floor stands.
 pub(super) const PATIENCE: Span = Span::from_secs(180);
 /// All jobs end within this if all robots do what they may and no worker stands in their way for ever.
 pub(super) const DRAIN: Span = Span::from_secs(900);
 
-/// So many failures are told in words.
+/// How many failures are told in words.
 const IN_WORDS: usize = 5;
 
 /// How far states are explored.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StateBounds {
-    /// States that are looked at, at most.
+    /// How many states are looked at, at most.
     pub states: usize,
-    /// Quanta from the start, at most.
+    /// How many quanta from the start, at most.
     pub depth: usize,
-    /// Of the states in which a robot can move, every so many-th is followed to its end.
+    /// Of the states in which a robot can move, one in this many is followed to its end.
     pub sample: usize,
     /// Whether a worker who can move leaves in each end that is looked at.
     pub leaves: bool,
 }
 
-/// The worker is told again within this, if robots wait.
+/// If robots wait, the worker is told again within this.
 const TOLD_AGAIN: Span = Span::from_secs(20);
 
-/// How it goes on from a state.
+/// How the fleet goes on from a state.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Verdict {
     /// All jobs end.
     Ends,
-    /// Each robot that has something to do waits for the worker alone, who is told something.
+    /// Each robot that has something to do waits only for the worker, who is told something.
     WaitsForWorker,
-    /// Neither.
+    /// Neither all jobs end nor robots wait only for the worker.
     Stands(String),
 }
 
@@ -56,12 +56,12 @@ pub(super) struct Exploration {
     pub is_whole: bool,
     /// States in which no robot could move.
     pub still: usize,
-    /// States that were followed to the end, and how many of these ended in waiting for the worker.
+    /// States that were followed to the end, and how many of them ended in waiting for the worker.
     pub followed: usize,
     pub waits: usize,
-    /// The longest time until some robot got on.
+    /// The longest time until some robot made progress.
     pub longest: Span,
-    /// Ways to go on on which the fleet failed, and the first ones in words.
+    /// Continuations on which the fleet failed, and the first ones in words.
     pub failed: usize,
     pub failures: Vec<String>,
     /// States that were judged.
@@ -130,7 +130,7 @@ impl Exploration {
         found
     }
 
-    /// The state after a move; nothing where the fleet panics, or a law is broken.
+    /// The state after a move; nothing if the fleet panics, or a law is broken.
     fn take(&mut self, world: &TinyWorld, m: &TinyMove, way: &[TinyMove]) -> Option<TinyWorld> {
         let after = catch_unwind(AssertUnwindSafe(|| {
             let mut after = world.clone();
@@ -176,7 +176,7 @@ impl Exploration {
     }
 }
 
-/// All robots do what they may, until all is over or nothing gets on. Also the longest time until some robot got on.
+/// Lets all robots do what they may, until all is over or none makes progress. Also the longest time until one did.
 fn follow(world: &TinyWorld, end: WorkerEnd) -> (Verdict, Span) {
     let mut world = world.clone();
     let worker = if end == WorkerEnd::Obeys { FootMove::Follows } else { FootMove::Stays };
@@ -200,12 +200,12 @@ fn follow(world: &TinyWorld, end: WorkerEnd) -> (Verdict, Span) {
     (Verdict::Ends, longest)
 }
 
-/// What was so when last, while a state is followed to its end.
+/// When things last happened, while a state is followed to its end.
 #[derive(Debug, Default)]
 struct Lately {
-    /// When robots gave way to the worker, and waited for nothing else, or stood since their scanners saw somebody.
+    /// When robots gave way to the worker, and waited for nothing else, or stood since their scanners saw a person.
     gave_way: BTreeMap<RobotId, Time>,
-    /// When the worker was told something, and asked to make room.
+    /// When the worker was told something, and when the worker was asked to make room.
     told: Option<Time>,
     asked: Option<Time>,
 }
@@ -229,11 +229,11 @@ impl Lately {
     }
 }
 
-/// Whether all robots with something to do have waited for the worker alone lately, who is told something. They may
-/// try another way now and then.
+/// Whether all robots with something to do have lately waited only for the worker, who is told something. They may try
+/// another way now and then.
 fn judge_end(world: &TinyWorld, lately: &Lately, end: WorkerEnd) -> Verdict {
     let gave_way = |r: &RobotId| lately.gave_way.get(r).is_some_and(|t| world.now - *t < PATIENCE);
-    // One that has no job makes room, or looks for a place to park, while the worker keeps the others waiting.
+    // A robot without a job makes room, or looks for a place to park, while the worker keeps the others waiting.
     let has_a_job = |r: &RobotId| world.fleet.ledger().robots[*r].task.job().is_some();
     let is_busy = |r: &RobotId| !world.is_idle(*r) && has_a_job(r);
     let busy: Vec<RobotId> = world.robots.iter().map(|r| r.id).filter(is_busy).collect();
@@ -241,7 +241,7 @@ fn judge_end(world: &TinyWorld, lately: &Lately, end: WorkerEnd) -> Verdict {
     let just_now = |at: Option<Time>| at.is_some_and(|t| world.now - t < TOLD_AGAIN);
     let waits = match end {
         WorkerEnd::Stands => just_now(lately.told),
-        // One who obeys is asked to make room, but no place aside is known: leaving the floor is up to the worker.
+        // A worker who obeys is asked to make room, but no place aside is known: leaving the floor is up to the worker.
         WorkerEnd::Obeys => just_now(lately.asked),
         WorkerEnd::Leaves => false,
     };
@@ -288,7 +288,7 @@ fn in_short(way: &[TinyMove]) -> String {
     way.iter().map(word).collect::<Vec<_>>().join(" ")
 }
 
-/// How it goes on after these moves, written as [`in_short`] does, if the worker obeys from then on, or stands.
+/// How the fleet goes on after these moves, written as by [`in_short`], if the worker obeys from then on, or stands.
 pub(super) fn replay(floor: &TinyFloor, way: &str, obeys: bool) -> Verdict {
     let mut world = TinyWorld::new(floor);
     way.split_whitespace().map(parsed).for_each(|m| world.take(&m));

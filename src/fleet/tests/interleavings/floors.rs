@@ -24,14 +24,14 @@ pub(super) enum Manner {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Hired {
     pub manner: Manner,
-    /// Where he or she appears.
+    /// Where the worker appears.
     pub at: &'static str,
-    /// Where he or she is to go, if anywhere.
+    /// Where the worker is to go, if anywhere.
     pub assignment: Option<&'static str>,
 }
 
 impl Hired {
-    /// In words, for a table.
+    /// The worker in words, for a table.
     pub fn words(&self) -> String {
         let manner = match self.manner {
             Manner::Stands => "stands",
@@ -43,7 +43,7 @@ impl Hired {
     }
 }
 
-/// Workers of every manner who appear at one place, and some of whom are to go to another.
+/// Workers of every manner who appear at one place, some of whom are to go to another.
 const fn everybody(at: &'static str, to: &'static str) -> [Hired; 5] {
     let (stands, wanders) = (Manner::Stands, Manner::Wanders);
     [
@@ -73,7 +73,7 @@ pub(super) struct TinyFloor {
     /// Where the robots stand at first.
     pub starts: &'static [&'static str],
     pub jobs: &'static [TinyJob],
-    /// Workers who may be there, one at a time, and the one who is.
+    /// Workers who may be there, one at a time, and the worker who is.
     pub workers: &'static [Hired],
     pub worker: Option<Hired>,
 }

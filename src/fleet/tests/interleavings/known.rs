@@ -1,10 +1,10 @@
-//! States from which the fleet is known not to get on as it should, one for each floor and worker where there are some.
+//! States from which the fleet is known to fail, one for each floor and worker that has any.
 //!
-//! Main type: [`KnownFailure`]. A test asks whether it is still so: what was mended is to be taken out.
+//! Main type: [`KnownFailure`]. A test checks whether each still fails: what was mended is to be taken out.
 
 use super::floors::{Hired, Manner, TinyFloor};
 
-/// A state from which the fleet does not get on as it should.
+/// A state from which the fleet does not make progress as it should.
 pub(super) struct KnownFailure {
     pub floor: &'static str,
     /// The worker, and whether there is an assignment.
@@ -12,7 +12,7 @@ pub(super) struct KnownFailure {
     /// How to get there, and whether the worker obeys from then on.
     pub way: &'static str,
     pub obeys: bool,
-    /// What is seen.
+    /// What is seen to happen.
     pub what: &'static str,
 }
 
@@ -22,5 +22,5 @@ impl KnownFailure {
     }
 }
 
-/// All that are known.
+/// All known failures.
 pub(super) const KNOWN: &[KnownFailure] = &[];

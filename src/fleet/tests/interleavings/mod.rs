@@ -1,16 +1,16 @@
 //! All interleavings of two to four robots, and of a worker who stands, obeys or walks anywhere, on tiny floors.
 //!
 //! The real fleet is stepped with robots and a worker that move in steps (`actors.rs`). In each state some of the
-//! robots that can move do, and the others are late: every subset is tried, and every step of the worker with it. In
-//! all states the holds are sound, no two robots were granted the same floor, and none touches another one. From each
-//! state in which no robot can move, and from every so many-th of the others, it goes on with all robots on time:
-//! then all jobs end; or, beside a worker who stands, each robot that has something to do waits for the worker alone,
-//! who is told something. A worker who walked anywhere then stands, obeys, or leaves: each is tried.
+//! robots that can move do so, and the others are late: every subset is tried, with every step of the worker. In all
+//! states the holds are sound, no two robots were granted the same floor, and no robot touches another. From each state
+//! in which no robot can move, and from one in so many of the others, the floor goes on with all robots on time: then
+//! all jobs end; or, beside a worker who stands, each robot that has something to do waits only for the worker, who is
+//! told something. A worker who walked anywhere then stands, obeys, or leaves: each is tried.
 //!
 //! This is a bounded check and no proof. Robots drive half a lane in a second, or a part of that before a person. They
-//! are late by two seconds or a multiple of that, never break down, and no message is lost. States count as the same
-//! one if they differ in nothing but times: ages of what the fleet keeps in mind are in six classes, windows count by
-//! their order on each node, and forecasts do not count at all. Refuses: faults, restarts, more than one worker.
+//! are late by two seconds or a multiple of that, never break down, and no message is lost. States count as the same if
+//! they differ in nothing but times: ages of what the fleet remembers are in six classes, windows count by their order
+//! on each node, and forecasts do not count at all. Refuses: faults, restarts, more than one worker.
 
 mod actors;
 mod explore;
@@ -22,14 +22,14 @@ use explore::{Exploration, StateBounds, Verdict, replay};
 use floors::{FLOORS, Hired, Manner, TinyFloor};
 use known::{KNOWN, KnownFailure};
 
-/// For each run of the tests.
+/// The bounds of each run of the tests.
 const FEW: StateBounds = StateBounds { states: 120, depth: 40, sample: 12, leaves: false };
 const FEW_ALONE: StateBounds = StateBounds { states: 700, depth: 60, sample: 12, leaves: false };
-/// For the table in `docs/robustness.md`.
+/// The bounds for the table in `docs/robustness.md`.
 const MANY: StateBounds = StateBounds { states: 300, depth: 80, sample: 60, leaves: false };
 const MANY_ALONE: StateBounds = StateBounds { states: 20_000, depth: 120, sample: 40, leaves: false };
 
-/// All floors, each with nobody or with one of its workers, of whom it is known whether the fleet always gets on there.
+/// All floors, each without a worker or with one of its workers, and whether a failure is known there.
 fn all_floors() -> impl Iterator<Item = (TinyFloor, bool)> {
     FLOORS.iter().flat_map(|f| {
         let with = |h: &Hired| (TinyFloor { worker: Some(*h), ..*f }, KNOWN.iter().any(|k| k.is_of(f, h)));

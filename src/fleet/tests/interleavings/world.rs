@@ -17,10 +17,10 @@ use giveway_floor::warehouse::Warehouse;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// The fleet is stepped twice in a second; it takes its period for what it is elsewhere, since that decides how near
+/// The fleet is stepped twice in a second, but keeps the period that it has elsewhere, since that decides how near
 /// robots come to people.
 const PERIOD: Span = Span::from_millis(500);
-/// Between two decisions about who moves, robots can drive a lane and the worker can walk as far.
+/// Between two decisions about which actors move, robots can drive a lane and the worker can walk as far.
 pub(super) const QUANTUM_S: i64 = 2;
 
 /// What happens in one quantum.
@@ -39,7 +39,7 @@ pub(super) struct TinyWorld {
     pub robots: Vec<StepRobot>,
     pub worker: Option<FootWorker>,
     pub now: Time,
-    /// When a robot got on, or a job ended, the last time.
+    /// When a robot last made progress, or a job ended.
     pub progress: Time,
 }
 
@@ -85,7 +85,7 @@ impl TinyWorld {
         self.worker.as_ref().map(|p| p.at)
     }
 
-    /// One control period. `before` is how robots were before this second, if it is in the middle.
+    /// One control period. In the middle of a second, `before` is the state of robots before that second.
     fn step(&mut self, before: Option<&[StepRobot]>, mut inputs: Vec<Input>) {
         let (w, now) = (self.warehouse(), self.now);
         for (i, robot) in self.robots.iter().enumerate() {
@@ -139,27 +139,27 @@ impl TinyWorld {
         self.step(None, Vec::new());
     }
 
-    /// The worker goes through a door.
+    /// The worker leaves through a door.
     pub fn dismiss(&mut self) {
         if let Some(p) = self.worker.take() {
             self.step(None, vec![Input::ask(5, WorkerAction::Clear { worker: p.worker, by: "Ben".into() })]);
         }
     }
 
-    /// Which robots would do something in a second of their own.
+    /// Which robots would do something in a second in which they act.
     pub fn able(&self) -> Vec<bool> {
         let (w, person) = (self.warehouse(), self.person());
         self.robots.iter().map(|r| r.is_able(&w, person)).collect()
     }
 
-    /// Whether a robot would drive if nobody were before it.
+    /// Whether a robot would drive if no person were before it.
     pub fn is_scanning(&self, robot: RobotId) -> bool {
         let (w, robot) = (self.warehouse(), &self.robots[robot.0 as usize]);
         !robot.is_able(&w, self.person()) && robot.is_able(&w, None)
     }
 
     /// All that may happen next: some of the robots that are able are late, but not all of them, and the worker does
-    /// what one of this manner may do. Time alone goes by only where no robot is able.
+    /// what a worker of this manner may do. Time passes alone only if no robot is able.
     pub fn moves(&self, manner: Manner) -> Vec<TinyMove> {
         let able = self.able();
         let count = able.iter().filter(|a| **a).count() as u32;
@@ -194,8 +194,8 @@ impl TinyWorld {
         all
     }
 
-    /// What must be so in every state: holds are sound, no two robots were granted the same floor, and none touches
-    /// another one.
+    /// Asserts what must hold in every state: holds are sound, no two robots were granted the same floor, and no robot
+    /// touches another.
     pub fn assert_lawful(&self) {
         let (w, ledger) = (self.warehouse(), self.fleet.ledger());
         ledger.timeline().assert_sound();
@@ -228,7 +228,7 @@ impl TinyWorld {
         self.fleet.ledger().robots[robot].task == Task::Idle
     }
 
-    /// What states have in common that are explored once: all that decides, with times as ages in classes.
+    /// The key by which states are the same and explored once: all that decides, with times as ages in classes.
     pub fn key(&self) -> String {
         let mut key = String::new();
         self.robots.iter().for_each(|r| self.robot_key(r, &mut key));
