@@ -102,7 +102,7 @@ pub struct AlarmCondition {
     pub at: Option<Spot>,
     /// How many robots wait because of the condition.
     pub waiting: usize,
-    /// Since when there is the condition, if that is known better than by when it was found.
+    /// Since when the condition has held, if that is known better than by when it was found.
     pub since: Option<Time>,
 }
 

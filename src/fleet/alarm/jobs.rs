@@ -20,9 +20,9 @@ const AT_ONCE: usize = 500;
 const OVERDUE: Span = Span::from_secs(600);
 /// A job that has had no reason for this long is stuck: what it waited for may only just have ended.
 const WITHOUT_REASON: Span = Span::from_secs(60);
-/// How long nothing has to be delivered for an alarm.
+/// If nothing has been delivered for this long, there is an alarm.
 const DELIVERS: Span = Span::from_secs(1200);
-/// How long a station has to get no rack for an alarm although jobs wait for it.
+/// If a station has got no rack for this long although jobs wait for it, there is an alarm.
 const STARVED: Span = Span::from_secs(300);
 /// How long a job is taken to need from getting its robot to its end, before any was measured.
 const USUAL: Span = Span::from_secs(120);

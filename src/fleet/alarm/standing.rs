@@ -15,9 +15,9 @@ use giveway_floor::text::{Sentence, SentenceArg};
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How long a standstill has to last for an alarm: the fleet did not end it within this.
+/// If the fleet has not ended a standstill within this, there is an alarm.
 const LASTS: Span = Span::from_secs(60);
-/// How long nothing has to move on the floor for an alarm.
+/// If nothing has moved on the floor for this long, there is an alarm.
 const FLOOR_STANDS: Span = Span::from_secs(60);
 /// How many jobs are asked why they wait.
 const JOBS: usize = 50;

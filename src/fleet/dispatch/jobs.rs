@@ -92,7 +92,7 @@ fn begin_named(writer: &mut Writer, planners: &mut Planners, robot: RobotId, job
     writer.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
 }
 
-/// Gives rack jobs to idle robots, and to robots that were just picked from jobs for the racks that they have. Returns
+/// Gives rack jobs to idle robots, and jobs for the racks that they carry to robots that were just picked from. Returns
 /// the idle robots that got none. If a job in storage is worth more for a robot than one for its own rack, the robot
 /// puts its rack away, and is idle then.
 fn assign_racks(

@@ -48,7 +48,7 @@ pub enum WalkMode {
     Redirected,
     /// The worker is told to stop.
     Stopped {
-        /// Since when the worker has been told to.
+        /// Since when the worker has been told to stop.
         since: Time,
     },
 }

@@ -1,4 +1,4 @@
-//! A part of the floor that somebody asks about.
+//! A part of the floor that a query is about.
 //!
 //! Main type: [`Area`]. Refuses: to know what is in it.
 

@@ -228,9 +228,9 @@ pub struct EventRow {
     pub robot: Option<RobotId>,
     /// The worker concerned.
     pub worker: Option<WorkerId>,
-    /// Of an alarm, its text; of a station that the map no longer has, its name.
+    /// The text of an alarm, or the name of a station that the map no longer has.
     pub text: Option<String>,
-    /// Of a job, the customer's reference.
+    /// The customer's reference of a job.
     pub reference: Option<String>,
     /// Further details of the event.
     pub details: Option<EventDetails>,

@@ -128,7 +128,7 @@ pub struct RobotEventRow {
     pub text: Option<String>,
     /// When the alarm ended.
     pub ended: Option<Time>,
-    /// Of a replan, its cause and both routes.
+    /// The cause of a replan, and both routes.
     pub details: Option<EventDetails>,
 }
 

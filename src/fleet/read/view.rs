@@ -219,7 +219,7 @@ pub struct StationView {
     pub served: u64,
 }
 
-/// Jobs that are before a job in the line of those that wait for a robot.
+/// How many jobs are ahead of a job in the line for a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct JobsAhead {
     /// Jobs of higher priority.

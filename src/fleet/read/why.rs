@@ -40,10 +40,10 @@ pub struct LostWorker {
 pub struct Waiting {
     /// What waits, or what the link before waits for.
     pub who: Who,
-    /// What it waits for.
+    /// What the robot, job or worker waits for.
     pub because: Because,
-    /// Until when it waits, as things stand; nothing if that cannot be known, as for all links of a chain whose end has
-    /// no known time.
+    /// Until when the wait lasts, as things stand; nothing if that cannot be known, as for all links of a chain whose
+    /// end has no known time.
     pub until: Option<Time>,
     /// How many holders pass before, if a resource is waited for.
     pub ahead: usize,

@@ -28,7 +28,7 @@ pub struct Need {
 #[derive(Clone, Debug, Default)]
 pub struct Needs {
     pub waiting: BTreeMap<RobotId, Need>,
-    /// Whose turn it is at stations.
+    /// The robots' turns at stations.
     pub tickets: Tickets,
     pub looked: BTreeMap<RobotId, Time>,
     /// Robots that may go on earlier than planned.

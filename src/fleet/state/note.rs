@@ -20,7 +20,7 @@ pub enum FloorNote {
         was: Vec<Spot>,
         /// The nodes that are ahead of the robot since, in order; only the first of them if there are many.
         now: Vec<Spot>,
-        /// When it happened.
+        /// Time of the event.
         at: Time,
     },
     /// A worker is most probably going somewhere else than before.
@@ -31,7 +31,7 @@ pub enum FloorNote {
         place: Spot,
         /// How probable the goal is, percent.
         percent: u8,
-        /// When it happened.
+        /// Time of the event.
         at: Time,
     },
 }

@@ -52,7 +52,7 @@ pub struct RecurringClosure {
     /// the clock shows once. Every occurrence begins and ends at the local times of these ends; none begins before the
     /// window.
     pub area: Closure,
-    /// When it recurs.
+    /// When the closure recurs.
     pub recurrence: Recurrence,
     /// When the next occurrence begins that has not been announced; nothing if there is none.
     pub next: Option<Time>,

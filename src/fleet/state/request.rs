@@ -75,11 +75,11 @@ pub enum JobAction {
 pub enum RobotAction {
     /// A robot joins the fleet.
     Register {
-        /// Its name.
+        /// The robot's name.
         name: String,
-        /// The name of its kind, one of the ledger's.
+        /// The name of the robot's kind, one of the ledger's.
         kind: String,
-        /// Where it stands.
+        /// Where the robot stands.
         node: NodeId,
         /// The name of the link over which the robot is reached; nothing if there is only one.
         link: Option<String>,

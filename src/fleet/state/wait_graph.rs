@@ -83,7 +83,7 @@ pub struct Wait {
     pub why: Option<Why>,
     /// What the party waits for.
     pub edge: Edge,
-    /// Since when the party has been waiting, whatever for; nothing if it moves or has nothing to do.
+    /// Since when the party has been waiting, for whatever reason; nothing if it moves or has nothing to do.
     pub since: Option<Time>,
     /// How the chain of waiting that begins with the party ends.
     pub end: ChainEnd,

@@ -4,7 +4,7 @@
 //! likewise, and so on back to the first, none of them ever gets a route: each stands where it may stay, so nothing
 //! moves it. Then one of them leaves for a free place and keeps its task. This frees its place, so the robot behind it
 //! gets its route, and the others follow one by one; the robot that left comes last. Each broken cycle ends with all of
-//! its tasks done, so it is not broken for ever. At the end of a chain, the idle robot leaves. If the robot that is to
+//! its tasks done, so this cannot go on for ever. At the end of a chain, the idle robot leaves. If the robot that is to
 //! leave has had no free place to go to for [`HOPE`], the newest of the jobs fails, and says why.
 //!
 //! Refuses: to move robots if one of them cannot drive or has been halted by a person, who also ends that; and to send

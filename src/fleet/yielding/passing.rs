@@ -43,7 +43,7 @@ const LEAVES: Span = Span::from_secs(3);
 /// How much longer than driving it takes to start aside and to come to rest on the line again, seconds.
 const SWINGS_S: f64 = 2.0;
 
-/// How it would be to pass.
+/// The prospect of passing people.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Prospect {
     what: Passing,
@@ -54,7 +54,7 @@ pub(super) struct Prospect {
 }
 
 impl Yielding {
-    /// How it would be if a robot passed the people who hold it up; nothing if it cannot.
+    /// The prospect of a robot passing the people who hold it up; nothing if it cannot.
     pub(super) fn prospect(
         &self,
         floor: Floor<'_>,

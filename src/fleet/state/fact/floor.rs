@@ -24,7 +24,7 @@ pub enum AreaFact {
     Reopened {
         /// The closure.
         closure: ClosureId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 24,
     /// An area is closed again and again. Recurring closures are numbered in order of marking.
@@ -45,7 +45,7 @@ pub enum AreaFact {
     SeriesEnded {
         /// The recurring closure.
         series: SeriesId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 27,
 }
@@ -56,40 +56,40 @@ pub enum AreaFact {
 pub enum FloorFact {
     /// All people are to leave the building.
     Evacuated {
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 28,
     /// People may come back, and robots go on.
     EvacuationEnded {
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 29,
     /// One robot, or the whole fleet, is to stand.
     Halted {
         /// The robot; nothing for the whole fleet.
         robot: Option<RobotId>,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 30,
     /// The robot, or the whole fleet, may go on.
     Released {
         /// The robot; nothing for the whole fleet.
         robot: Option<RobotId>,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 31,
     /// Picking at a station is paused until further notice.
     StationPaused {
         /// The station.
         station: StationId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 32,
     /// Picking at a station goes on.
     StationResumed {
         /// The station.
         station: StationId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 33,
     /// Customers' keys are forgotten: their jobs and assignments are over and were accepted long ago.
@@ -103,14 +103,14 @@ pub enum FloorFact {
     KindPut {
         /// The kind.
         kind: Box<RobotKind>,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 47,
     /// Robots of this kind can no longer join, and no robot has this kind.
     KindRemoved {
         /// The name of the kind.
         name: String,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 48,
 }

@@ -19,7 +19,7 @@ pub enum JobFact {
         job: JobId,
         /// What is wanted.
         request: JobRequest,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 1,
     /// A job changed its state, and the robot that serves or served it changed its task: one fact, so that the two
@@ -31,7 +31,7 @@ pub enum JobFact {
         state: JobState,
         /// The robot whose task changes with the state, and its new task.
         tasked: Option<(RobotId, Task)>,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 2,
     /// A rack was served at a station and is wanted at another one: its robot goes there, and the job goes on.
@@ -40,7 +40,7 @@ pub enum JobFact {
         job: JobId,
         /// The robot, and its task to go to the next station.
         tasked: (RobotId, Task),
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 3,
     /// An operator said which robots may do a job that no robot has yet.
@@ -49,7 +49,7 @@ pub enum JobFact {
         job: JobId,
         /// The robots.
         choice: RobotChoice,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 4,
     /// A waiting job got another priority.
@@ -58,7 +58,7 @@ pub enum JobFact {
         job: JobId,
         /// 0 to 9.
         priority: u8,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 34,
     /// A waiting job was changed in more than its priority.
@@ -67,11 +67,11 @@ pub enum JobFact {
         job: JobId,
         /// What is wanted now.
         kind: JobKind,
-        /// 0 to 9.
+        /// The new priority, 0 to 9.
         priority: u8,
         /// The new deadline of the job, if it has one.
         deadline: Option<Time>,
-        /// When it was changed.
+        /// Time of the fact.
         at: Time,
     } = 35,
     /// A line of the visit at which the job's rack stands has changed.
@@ -82,7 +82,7 @@ pub enum JobFact {
         line: usize,
         /// What is said about the line.
         change: LineChange,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 46,
 }

@@ -18,7 +18,7 @@ pub enum WorkerFact {
         worker: WorkerId,
         /// The name; empty if the number is free again.
         name: String,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 16,
     /// A worker is on the floor.
@@ -36,7 +36,7 @@ pub enum WorkerFact {
         place: LastPlace,
         /// The person who says so.
         by: String,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 18,
     /// A worker has left the floor, or a person vouches that no one is where a worker was lost.
@@ -45,7 +45,7 @@ pub enum WorkerFact {
         worker: WorkerId,
         /// The person who says so; nothing if the headset signed off at a door.
         by: Option<String>,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 19,
 }
@@ -62,7 +62,7 @@ pub enum AssignmentFact {
         worker: Option<WorkerId>,
         /// What the worker is to do.
         request: AssignmentRequest,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 20,
     /// An assignment without a worker was given to one.
@@ -71,7 +71,7 @@ pub enum AssignmentFact {
         assignment: AssignmentId,
         /// The worker.
         worker: WorkerId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 21,
     /// An assignment came to another state.
@@ -80,7 +80,7 @@ pub enum AssignmentFact {
         assignment: AssignmentId,
         /// The new state.
         state: AssignmentState,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 22,
 }
@@ -96,7 +96,7 @@ pub enum EncounterFact {
     Deviated {
         /// The worker.
         worker: WorkerId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 37,
     /// A robot had to stop or to change its route because of a worker.
@@ -107,7 +107,7 @@ pub enum EncounterFact {
         worker: WorkerId,
         /// How the robot reacted.
         reaction: Reaction,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 38,
 }

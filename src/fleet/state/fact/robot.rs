@@ -14,13 +14,13 @@ pub enum RobotFact {
     Registered {
         /// The new number.
         robot: RobotId,
-        /// Its name.
+        /// The robot's name.
         name: String,
-        /// The name of its kind.
+        /// The name of the robot's kind.
         kind: String,
-        /// Where it stands.
+        /// Where the robot stands.
         node: NodeId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 0,
     /// A robot has another task, on which no job's state depends.
@@ -34,14 +34,14 @@ pub enum RobotFact {
     Failed {
         /// The robot.
         robot: RobotId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 13,
     /// A robot works again.
     Repaired {
         /// The robot.
         robot: RobotId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 14,
     /// What is promised about a robot contradicts itself: the robot is treated as failed, whatever it reports, until a
@@ -49,39 +49,39 @@ pub enum RobotFact {
     Fenced {
         /// The robot.
         robot: RobotId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 15,
     /// A robot goes to maintenance, or comes back.
     Maintenance {
         /// The robot.
         robot: RobotId,
-        /// Since when; nothing if the robot works again.
+        /// Since when the robot is in maintenance; nothing if it works again.
         since: Option<Time>,
     } = 41,
     /// A robot is to leave the floor.
     Retired {
         /// The robot.
         robot: RobotId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 42,
     /// A robot has left the floor: it no longer holds anything.
     Left {
         /// The robot.
         robot: RobotId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 43,
     /// A robot that had left stands on the floor again.
     Returned {
         /// The robot.
         robot: RobotId,
-        /// The name of its kind.
+        /// The name of the robot's kind.
         kind: String,
-        /// Where it stands.
+        /// Where the robot stands.
         node: NodeId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 44,
     /// A robot is reached over another link from now on.
@@ -100,7 +100,7 @@ pub enum RobotFact {
         rack: RackId,
         /// The storage node where the rack stands now.
         node: NodeId,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 45,
 }

@@ -22,7 +22,7 @@ pub enum RouteFact {
         robot: RobotId,
         /// The serial number of the visit.
         serial: u64,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 7,
     /// A robot stands on, or has passed, this visit; everything before it is free again.
@@ -53,7 +53,7 @@ pub enum RouteFact {
         serial: u64,
         /// How often the robot has forgotten what it was granted, by now.
         recalls: u64,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 11,
     /// These robots keep what they were granted, for an unknown time, and nothing more.
@@ -66,13 +66,13 @@ pub enum RouteFact {
     Placed {
         /// The robot.
         robot: RobotId,
-        /// Where it stands.
+        /// Where the robot stands.
         node: NodeId,
         /// The serial number of this visit, later than any that the robot had.
         serial: u64,
         /// What other robots keep that were promised this node, or would have had to pass such robots.
         cut: Vec<KeptRoute>,
-        /// When it happened.
+        /// Time of the fact.
         at: Time,
     } = 40,
 }

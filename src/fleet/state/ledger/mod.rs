@@ -55,17 +55,17 @@ pub enum Service {
     Works,
     /// The robot is to be maintained, or is being maintained: it takes no jobs.
     Maintenance {
-        /// Since when.
+        /// Since when the robot is in maintenance.
         since: Time,
     },
     /// The robot is to leave: it finishes what it has begun, and is gone when it is no longer heard of.
     Leaving {
-        /// Since when.
+        /// Since when the robot is to leave.
         since: Time,
     },
     /// The robot has left. If it is registered again, it works again.
     Gone {
-        /// Since when.
+        /// Since when the robot has been gone.
         since: Time,
     },
 }
@@ -80,11 +80,11 @@ impl Robot {
 /// A robot's record in the ledger: what it was told.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Robot {
-    /// Its name.
+    /// The robot's name.
     pub name: String,
-    /// The name of its kind.
+    /// The name of the robot's kind.
     pub kind: String,
-    /// The name of the link by which it is reached.
+    /// The name of the link over which the robot is reached.
     pub link: String,
     /// What the robot is doing.
     pub task: Task,
