@@ -24,9 +24,9 @@ const WITHOUT_REASON: Span = Span::from_secs(60);
 const DELIVERS: Span = Span::from_secs(1200);
 /// If a station has got no rack for this long although jobs wait for it, there is an alarm.
 const STARVED: Span = Span::from_secs(300);
-/// How long a job is taken to need from getting its robot to its end, before any was measured.
+/// How long a job is taken to need once a robot has it, before any was measured.
 const USUAL: Span = Span::from_secs(120);
-/// For how many of the last jobs it is remembered how long they took.
+/// How many of the last jobs are measured.
 const MEASURED: usize = 50;
 
 /// What is remembered of jobs from look to look.
@@ -43,7 +43,7 @@ pub(super) struct JobWatch {
     dated: BTreeSet<JobId>,
     /// Jobs that robots have, and since when.
     begun: BTreeMap<JobId, Time>,
-    /// How long the last jobs took from getting their robots to their ends.
+    /// How long the last jobs took once a robot had them.
     took: Vec<Span>,
     /// Stations without racks although jobs wait for them: since when, and one of these jobs.
     starved: BTreeMap<StationId, (Time, JobId)>,
@@ -70,7 +70,7 @@ impl JobWatch {
         some
     }
 
-    /// Notes how long jobs take from getting their robots to their ends.
+    /// Notes how long jobs take once a robot has them.
     fn measure(&mut self, fleet: &Fleet, view: &View) {
         let jobs = &fleet.ledger().jobs;
         let ended: Vec<JobId> = self.begun.keys().filter(|id| !jobs.contains_key(id)).copied().collect();

@@ -85,7 +85,7 @@ fn send_to_charger(writer: &mut Writer, robot: RobotId) -> bool {
     true
 }
 
-/// Sends a robot somewhere else that stands where it may not stay, or in the way of a rack that is wanted.
+/// Sends away a robot that stands where it may not stay, or in the way of a rack that is wanted.
 fn leave_the_way(writer: &mut Writer, robot: RobotId, now: Time) {
     let node = writer.ledger().node_of(robot);
     let may_stay = writer.warehouse().nodes[node].kind.is_lasting() && !writer.floor().is_closing(node);

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// The speed of slow walkers, metres per second: an area that begins before they would be through is walked round.
 const SLOW_MPS: f64 = 0.8;
-/// How long before it begins an area counts as closed: people inside are led out from then on.
+/// An area counts as closed from this long before it begins: people inside are led out from then on.
 pub(super) const MARGIN: Span = Span::from_secs(10);
 /// How far to each side of a node that is closed by name the floor is closed to people, metres.
 const AROUND_NODE_M: f64 = 0.5;

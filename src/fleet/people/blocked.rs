@@ -148,7 +148,7 @@ impl<'a> WaysPast<'a> {
         near.map(|(n, _)| self.walkways.nodes()[n].at).filter(is_clear).collect()
     }
 
-    /// The squares of floor that robots take that stand nearby.
+    /// The squares of floor taken by robots that stand nearby.
     fn standing(&self) -> impl Iterator<Item = Square> {
         let floor = self.floor;
         let standing = floor.ledger.present().filter(move |r| floor.stands_near(*r, self.at));

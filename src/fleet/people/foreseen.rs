@@ -1,6 +1,6 @@
 //! Where the people near a place are and will be in the next seconds, for robots that pass them.
 //!
-//! Main type: [`ForeseenPerson`]. Refuses: to guess where a person walks who is not seen.
+//! Main type: [`ForeseenPerson`]. Refuses: to guess where an unseen person walks.
 
 use crate::people::state::HumanState;
 use crate::state::floor::Floor;

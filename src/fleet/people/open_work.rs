@@ -50,7 +50,7 @@ impl HumanState {
         self.barred.shuts(at, place, (request.stay - worked).max(Span::ZERO), now)
     }
 
-    /// What a worker without a way is told whose assignments are all in closed areas.
+    /// What a worker is told who has no way because all assignments are in closed areas.
     pub(super) fn waits_for_closure(
         &self,
         floor: Floor<'_>,

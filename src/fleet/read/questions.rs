@@ -144,12 +144,12 @@ impl Fleet {
     }
 
     /// Whether a step that took in this sighting now would, as things were last seen, stop a robot that drives, or tell
-    /// the worker to stand who was not told yet.
+    /// the worker to stand, unless the worker was already told.
     pub fn calls_for_stop(&self, sighting: &Sighting, now: Time) -> bool {
         self.yielding.calls_for_stop(self.writer.floor(), &self.people, &self.traffic, sighting, now)
     }
 
-    /// The warning that a step would give that took in these hands now.
+    /// What a step would warn of if it took in these hands now.
     pub fn warning_of(&self, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
         warning_of(self.writer.floor(), seen, now)
     }

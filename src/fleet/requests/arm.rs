@@ -179,7 +179,7 @@ impl Intake<'_> {
         self.writer.move_arm(order.map(|order| ArmOrder { line, ..order }));
     }
 
-    /// Takes it that an arm of which nothing is heard is out of the rack, since a person lets the rack go.
+    /// Takes a silent arm to be out of the rack, since a person lets the rack go.
     pub(super) fn vouch_for_arm(&mut self, station: StationId, now: Time) {
         if let Some(post) = self.writer.arms.post(station).filter(|post| post.arm.trouble(now).is_some()) {
             post.arm.vouch_outside();

@@ -119,7 +119,7 @@ impl Intake<'_> {
         {
             return;
         }
-        // It is not known where a hand is that was last seen inside: then a button ends the visit.
+        // A hand that was last seen inside may still be there: then a button ends the visit.
         let may_be_inside = self.writer.visits.hands_at(station).may_be_inside(face);
         let ends_out = self.writer.floor().ends_out(&self.writer.ledger().jobs[&visit.job]);
         let (ledger, visits) = self.writer.ledger_and_visits();
@@ -170,7 +170,7 @@ impl Intake<'_> {
     }
 }
 
-/// The warning that a step would give that took in these hands now.
+/// What a step would warn of if it took in these hands now.
 pub(crate) fn warning_of(floor: Floor<'_>, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
     let station = seen.station;
     if station.ix() >= floor.warehouse().stations.len() || !floor.settings.flow.hears_hands() {

@@ -30,7 +30,7 @@ impl Intake<'_> {
     }
 
     /// Changes a line of the visit for which a robot is picked from. The visit ends with its last line or, if a hand is
-    /// inside then, when the hand is out. It is not known where a hand is that was last seen inside, until a button is
+    /// inside then, when the hand is out. A hand that was last seen inside may still be there until a button is
     /// pressed.
     pub(super) fn change_line(
         &mut self,

@@ -23,7 +23,7 @@ const KEPT: Span = Span::from_secs(24 * 3600);
 /// How long an occurrence that is over stays in the list: there are many, and the recurring closure stays.
 const KEPT_OCCURRENCE: Span = Span::from_secs(3600);
 
-/// How long before it begins the search is told of a closure: no route takes longer, and closures months ahead would
+/// The search is told of a closure this long before it begins: no route takes longer, and closures months ahead would
 /// only be in its way.
 const AHEAD: Span = Span::from_secs(24 * 3600);
 

@@ -12,7 +12,7 @@ pub enum Fault {
     /// on.
     EmergencyStop,
     /// A person drives the robot: it obeys no orders and has forgotten its way. It keeps what it was granted, the floor
-    /// where it really is is closed, and it is taken up where it stands when the person is done.
+    /// at its true place is closed, and it is taken up where it stands when the person is done.
     Manual,
     /// Something that the robot cannot pass stands on its way to the next node. The robot goes back, and that node is
     /// closed for a while.

@@ -20,7 +20,8 @@ const WORTH: Span = Span::from_secs(1);
 const STRAIGHT: f64 = 1e-3;
 /// Top turning speed of robots beside the line, radians per second.
 const TURN_RPS: f64 = 1.2;
-/// Turning acceleration of robots beside the line: they gain and lose that speed in about half a second.
+/// Turning acceleration of robots beside the line, radians per second squared: they gain and lose the top turning speed
+/// in about half a second.
 const TURN_ACCEL_RPS2: f64 = 2.5;
 /// Time from one choice of the local planner to the next, seconds; also how old what it sees may be.
 const PERIOD_S: f64 = 0.1;

@@ -9,7 +9,7 @@ use giveway_floor::time::{Span, Time, Window};
 
 /// Least time from the beginning of one occurrence to the next.
 pub const MOST_OFTEN: Span = Span::from_secs(300);
-/// How long before its beginning an occurrence is announced; the next one always is.
+/// An occurrence is announced this long before it begins; the next one always is.
 pub(crate) const ANNOUNCED: Span = Span::from_secs(3600);
 /// How often recurring closures are looked at.
 pub(crate) const LOOKS: Span = Span::from_secs(1);

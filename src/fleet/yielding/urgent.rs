@@ -23,7 +23,7 @@ const OLD: Span = Span::from_millis(200);
 
 impl Yielding {
     /// Whether a step that took in this sighting now would, as things were last seen, stop a robot that drives, or tell
-    /// the worker to stand who was not told yet.
+    /// the worker to stand, unless the worker was already told.
     pub(crate) fn calls_for_stop(
         &self,
         floor: Floor<'_>,

@@ -11,9 +11,9 @@ use giveway_floor::time::{Span, Time};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-/// How long before a deadline it begins to count.
+/// A deadline counts from this long before it.
 const NEAR: Span = Span::from_secs(600);
-/// How long after a deadline it counts more and more.
+/// A deadline counts more and more until this long after it.
 const LATEST: Span = Span::from_secs(600);
 /// What one step of priority is worth, milliseconds; waiting counts for its time divided by `AGE_SHARE`.
 const PRIORITY_MS: i64 = 120_000;
