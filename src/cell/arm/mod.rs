@@ -11,13 +11,10 @@ mod capsule;
 mod choice;
 mod grip;
 mod kinematics;
-mod marching;
 mod mpc;
-mod net;
 mod pace;
 mod qp;
 mod risk;
-mod schedule;
 mod seam;
 mod sight;
 mod site;
@@ -33,19 +30,14 @@ pub use grip::{ArmGrip, ArmOrder, ArmSaid, GripAct, Gripped};
 pub use kinematics::{
     ARM_POINTS, ArmKind, ArmKindError, ArmPosture, AxisRow, Joints, LinkShape, between, joint_distance,
 };
-pub use marching::bfmt_star;
 pub use mpc::{
     ArmControl, ArmGoal, ArmPlan, ArmPlanRefusal, ArmWeights, CYCLE_S, FROZEN, HORIZON, WorkPlane,
-};
-pub use net::{
-    GRAPH_FEATURES, GRAPH_LAYERS, GRAPH_NODES, GraphNet, NET_STEP_RAD, NetPass, WorkGraph, adjacency,
 };
 pub use pace::{RunAhead, STANDS_BY, WayRun};
 pub use risk::{
     LimbBone, MOST_POINTS, UncertainLimbs, UncertainPoint, bone_covariance, first_order_probability,
     normal_below, normalised_probability, overlap_probability, printed_probability,
 };
-pub use schedule::{TargetTable, TargetTableError};
 pub use seam::{
     ArmReport, ArmSeam, ArmTrajectory, ArmTrouble, LATE_AFTER, LONGEST_TRAJECTORY, SILENT_AFTER, WELL_AFTER,
 };
@@ -53,4 +45,4 @@ pub use sight::{PickerAhead, PickerSight};
 pub use site::{ArmSite, SlotAccess, base_of, rest};
 pub use space::{ArmSpace, ArmWay, CHECK_MARGIN_M, CHECK_RAD};
 pub use task::{ArmActivity, ArmDeed, ArmMode, ArmTask, StationArm, Surroundings, TASK_SAMPLES};
-pub use trees::{rrt, rrt_connect, rrt_star};
+pub use trees::{GROWS_RAD, JointTree, rrt_connect, towards};

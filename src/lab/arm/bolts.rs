@@ -7,9 +7,10 @@
 use super::forecast::{Analogues, SENSOR_M, STEP_S, Watched};
 use super::library::MixtureLibrary;
 use super::person::{ArmJoints, BenchPerson, Reaching, certain};
+use crate::arm::schedule::TargetTable;
 use giveway_cell::arm::{
-    ArmControl, ArmGoal, ArmKind, ArmPlan, CYCLE_S, Capsule, HORIZON, Joints, TargetTable, WorkPlane,
-    joint_distance, least_distance_m, overlap_probability,
+    ArmControl, ArmGoal, ArmKind, ArmPlan, CYCLE_S, Capsule, HORIZON, Joints, WorkPlane, joint_distance,
+    least_distance_m, overlap_probability,
 };
 use giveway_sim::SimulatedArm;
 use giveway_sim::random::Stream;

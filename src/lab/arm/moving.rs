@@ -6,9 +6,8 @@
 use super::forecast::{Analogues, STEP_S, Watched};
 use super::person::{ArmJoints, BenchPerson, Reaching, certain};
 use super::planners::space_with;
-use giveway_cell::arm::{
-    ArmSpace, ArmWay, Capsule, GraphNet, Joints, WorkGraph, joint_distance, least_distance_m, rrt_connect,
-};
+use crate::arm::net::{GraphNet, WorkGraph};
+use giveway_cell::arm::{ArmSpace, ArmWay, Capsule, Joints, joint_distance, least_distance_m, rrt_connect};
 use giveway_sim::random::Stream;
 use nalgebra::{Point3, Vector3};
 

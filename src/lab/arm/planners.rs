@@ -5,10 +5,10 @@
 
 use super::person::BenchPerson;
 use super::teaching::{NetStep, step_error, teach_graph};
-use giveway_cell::arm::{
-    ArmKind, ArmSpace, ArmWay, Capsule, GraphNet, Joints, NET_STEP_RAD, WorkGraph, bfmt_star, joint_distance,
-    rrt, rrt_connect, rrt_star,
-};
+use crate::arm::marching::bfmt_star;
+use crate::arm::net::{GraphNet, NET_STEP_RAD, WorkGraph};
+use crate::arm::random_trees::{rrt, rrt_star};
+use giveway_cell::arm::{ArmKind, ArmSpace, ArmWay, Capsule, Joints, joint_distance, rrt_connect};
 use giveway_sim::random::Stream;
 use nalgebra::{Isometry3, Point3, Vector3};
 

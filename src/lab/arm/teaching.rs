@@ -3,7 +3,8 @@
 //! Main types: [`AdamMoments`], [`NetStep`]. Refuses: data that it was not given; the order of samples comes from the
 //! seed.
 
-use giveway_cell::arm::{GRAPH_FEATURES, GRAPH_LAYERS, GraphNet, Joints, WorkGraph};
+use crate::arm::net::{GRAPH_FEATURES, GRAPH_LAYERS, GraphNet, WorkGraph};
+use giveway_cell::arm::Joints;
 use giveway_sim::random::Stream;
 use nalgebra::DMatrix;
 

@@ -3,8 +3,7 @@
 //! Main function: [`bfmt_star`]. Numbers come from the caller; work is bounded by counted samples. Refuses: paths that
 //! were not checked, and clocks.
 
-use super::kinematics::{Joints, joint_distance};
-use super::space::{ArmSpace, ArmWay};
+use giveway_cell::arm::{ArmSpace, ArmWay, Joints, joint_distance};
 
 /// A wave from one end of the path.
 struct Wave {

@@ -4,9 +4,7 @@
 //! Main types: [`WorkGraph`], [`GraphNet`]. Refuses: to return a path that was not checked; where it finds none, the
 //! caller falls back on RRT-Connect.
 
-use super::capsule::Capsule;
-use super::kinematics::{Joints, joint_distance};
-use super::space::{ArmSpace, ArmWay};
+use giveway_cell::arm::{ArmSpace, ArmWay, Capsule, Joints, joint_distance};
 use nalgebra::{DMatrix, Point3};
 use std::f64::consts::PI;
 
@@ -209,7 +207,7 @@ impl GraphNet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arm::ArmKind;
+    use giveway_cell::arm::ArmKind;
     use nalgebra::Isometry3;
 
     fn space(obstacles: Vec<Capsule>) -> ArmSpace {
