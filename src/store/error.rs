@@ -55,7 +55,7 @@ pub enum StoreError {
     Alone(PathBuf),
     /// The database has fewer steps than were acknowledged.
     #[error(
-        "the database {path} ends with fact {found}, but {known} facts were written: its write-ahead log \
+        "the database {path} ends with step {found}, but {known} steps were written: its write-ahead log \
          {path}-wal was lost, or an older file was put in its place. Put the right files back, or run `giveway \
          database restore BACKUP`; to go on with what is there, empty {path}-lock; to start empty, start with \
          --new, which moves what is there aside"
@@ -70,14 +70,14 @@ pub enum StoreError {
     },
     /// A new database is wanted where a whole one exists.
     #[error(
-        "--new starts an empty database only if there is none, but {path} has {facts} facts: start without --new, \
+        "--new starts an empty database only if there is none, but {path} has {steps} steps: start without --new, \
          or choose another file with --database"
     )]
     NotNew {
         /// Path of the main file.
         path: PathBuf,
         /// Number of the last step in the database.
-        facts: i64,
+        steps: i64,
     },
     /// An open file is no longer where it was.
     #[error(

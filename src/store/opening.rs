@@ -55,9 +55,9 @@ impl Store {
                 Store::connect(&lock, None, map, opening).await
             }
             Ok(store) if store.last > 0 => {
-                let facts = store.last;
+                let steps = store.last;
                 store.close().await;
-                Err(StoreError::NotNew { path: lock.path().into(), facts })
+                Err(StoreError::NotNew { path: lock.path().into(), steps })
             }
             other => other,
         }

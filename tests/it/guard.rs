@@ -173,7 +173,7 @@ async fn a_new_database_never_takes_the_place_of_a_whole_one() {
     store.append(1, &facts(5)).await.unwrap();
     store.close().await;
     let error = Store::open_as(&folder.database(), &map(), &new("y")).await.unwrap_err();
-    assert!(matches!(error, StoreError::NotNew { facts: 5, .. }), "{error}");
+    assert!(matches!(error, StoreError::NotNew { steps: 5, .. }), "{error}");
     let store = open(&folder.database()).await.unwrap();
     assert_eq!(store.scan().await.unwrap().0, 5);
     store.close().await;
