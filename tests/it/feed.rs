@@ -1,6 +1,6 @@
 //! The feed of a headset over a real WebSocket, against a real server.
 
-use crate::helper::{Folder, eventually, get, in_time, send, start};
+use crate::helper::{Folder, eventually, get, in_time, send, start_in_real_time};
 use futures_util::{SinkExt, StreamExt};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
@@ -102,7 +102,7 @@ pub async fn hire(at: SocketAddr, name: &str) -> String {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_headset_and_the_server_agree_on_a_version_or_part_with_a_reason() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     let Err(Error::Http(response)) = Headset::open(at, "w1").await else { panic!("nobody is known yet") };
     assert_eq!(response.status().as_u16(), 404);
@@ -131,7 +131,7 @@ async fn a_headset_and_the_server_agree_on_a_version_or_part_with_a_reason() {
 #[tokio::test(flavor = "multi_thread")]
 async fn marks_that_do_not_fit_are_refused_with_what_to_do_and_good_ones_begin_an_epoch() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let mut headset = Headset::connect(at, "w1", "device").await;
@@ -176,7 +176,7 @@ async fn marks_that_do_not_fit_are_refused_with_what_to_do_and_good_ones_begin_a
 #[tokio::test(flavor = "multi_thread")]
 async fn bad_poses_are_told_once_in_a_while_and_counted() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let mut headset = Headset::connect(at, "w1", "map").await;
@@ -221,7 +221,7 @@ async fn bad_poses_are_told_once_in_a_while_and_counted() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_second_headset_takes_the_place_of_the_first_and_tags_count_beside_it() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let mut first = Headset::connect(at, "w1", "map").await;
@@ -251,7 +251,7 @@ async fn a_second_headset_takes_the_place_of_the_first_and_tags_count_beside_it(
 #[tokio::test(flavor = "multi_thread")]
 async fn guidance_comes_at_least_twice_a_second_whatever_happens() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let mut headset = Headset::connect(at, "w1", "map").await;
@@ -270,7 +270,7 @@ async fn guidance_comes_at_least_twice_a_second_whatever_happens() {
 #[tokio::test(flavor = "multi_thread")]
 async fn an_open_feed_does_not_hold_the_server_up() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let mut headset = Headset::connect(at, "w1", "map").await;
@@ -295,7 +295,7 @@ async fn wait_for(at: SocketAddr, headset: &mut Headset, what: &str, is_so: impl
 #[tokio::test(flavor = "multi_thread")]
 async fn poses_that_came_in_show_where_the_worker_is() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let mut headset = Headset::connect(at, "w1", "map").await;
@@ -313,7 +313,7 @@ async fn poses_that_came_in_show_where_the_worker_is() {
 #[tokio::test(flavor = "multi_thread")]
 async fn repeated_and_late_poses_are_counted_once_and_change_nothing() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let mut headset = Headset::connect(at, "w1", "map").await;
@@ -329,7 +329,7 @@ async fn repeated_and_late_poses_are_counted_once_and_change_nothing() {
 #[tokio::test(flavor = "multi_thread")]
 async fn poses_across_the_hall_and_outside_of_it_are_counted_and_told() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let mut headset = Headset::connect(at, "w1", "map").await;
@@ -349,7 +349,7 @@ async fn poses_across_the_hall_and_outside_of_it_are_counted_and_told() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_worker_with_an_assignment_gets_a_path_and_is_done_at_its_end() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     let map = crate::helper::map();
@@ -380,7 +380,7 @@ async fn a_worker_with_an_assignment_gets_a_path_and_is_done_at_its_end() {
 #[tokio::test]
 async fn who_says_to_be_done_is_done_wherever_the_device_believes_to_be() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     hire(at, "anna").await;
     hire(at, "ben").await;
@@ -434,7 +434,7 @@ async fn until_presence(at: SocketAddr, worker: &str, presence: &str) -> Value {
 #[tokio::test(flavor = "multi_thread")]
 async fn who_takes_the_headset_off_is_lost_at_once_and_a_supervisor_narrows_then_clears_that() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     let post = async |path: &str, body: Value| {
         let json = ("content-type", "application/json");
@@ -469,7 +469,7 @@ async fn who_takes_the_headset_off_is_lost_at_once_and_a_supervisor_narrows_then
     let narrow = until_presence(at, "w1", "lost").await["area"].as_array().unwrap().len();
     assert!(0 < narrow && narrow < wide, "{narrow} of {wide} places");
     server.stop().await.unwrap();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     let after = until_presence(at, "w1", "lost").await;
     assert_eq!(after["area"].as_array().unwrap().len(), narrow, "a restart forgets neither: {after}");

@@ -2,6 +2,7 @@
 
 use crate::helper::{
     Folder, all_jobs, config, delivery, empty_ledger, eventually, floor, get, map, post, send, start,
+    start_in_real_time,
 };
 use giveway::drive::{GuardedCall, Trap};
 use giveway::fleet::{Fact, JobFact, JobState, RouteFact, Task};
@@ -83,7 +84,7 @@ async fn a_robot_that_the_journal_contradicts_is_fenced_off_and_the_others_go_on
     let (facts, robot) = cut_after_a_lift().await;
     let rack = rack_of(&facts, robot);
     let folder = database(facts).await;
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     // Jobs that the cut left out.
     for i in 1..6 {
@@ -108,7 +109,7 @@ async fn a_robot_that_the_journal_contradicts_is_fenced_off_and_the_others_go_on
     assert_eq!((states.len(), &states[0]["id"]), (1, &json!(name)), "{robots}");
     server.stop().await.unwrap();
 
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     until("it is fenced off after a restart, too", async || {
         get(at, "/v1/health").await.text.contains("fenced off")

@@ -1,6 +1,6 @@
 //! What fills to its limit, and gets room again: the tables of the database that no fleet bounds.
 
-use crate::helper::{Answer, Folder, eventually, get, map, send, start};
+use crate::helper::{Answer, Folder, eventually, get, map, send, start_in_real_time};
 use crate::live::connect;
 use crate::people::{delete, post};
 use futures_util::StreamExt;
@@ -150,7 +150,7 @@ fn token(n: i64) -> TokenDraft {
 #[tokio::test(flavor = "multi_thread")]
 async fn of_tokens_a_thousand_hold_until_one_is_revoked_and_the_newest_that_hold_no_more_are_kept() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let (at, table) = (server.address(), server.store().tokens());
     for n in 0..MOST_OVER + 5 {
         let id = table.add(&token(n)).await.unwrap().unwrap();
@@ -172,7 +172,7 @@ async fn of_tokens_a_thousand_hold_until_one_is_revoked_and_the_newest_that_hold
 #[tokio::test(flavor = "multi_thread")]
 async fn of_webhooks_there_are_thirty_two_until_one_is_removed() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     let hook = json!({"url": "http://127.0.0.1:9/"});
     let mut last = String::new();
@@ -190,7 +190,7 @@ async fn of_webhooks_there_are_thirty_two_until_one_is_removed() {
 #[tokio::test(flavor = "multi_thread")]
 async fn of_kinds_of_robots_there_are_thirty_two_until_one_is_removed() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     let put = |n: usize| async move {
         let headers = [("content-type", "application/json")];
@@ -221,7 +221,7 @@ async fn stream(at: SocketAddr) -> (TcpStream, String) {
 #[tokio::test(flavor = "multi_thread")]
 async fn of_streams_of_events_a_hundred_are_open_until_one_leaves() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     let mut open = Vec::new();
     for _ in 0..100 {
@@ -249,7 +249,7 @@ async fn reader(at: SocketAddr) -> Result<JoinHandle<()>, Error> {
 #[tokio::test(flavor = "multi_thread")]
 async fn of_readers_of_the_live_feed_a_thousand_are_there_until_one_leaves() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     let mut open = Vec::new();
     for _ in 0..1_000 {

@@ -63,8 +63,24 @@ pub async fn start(folder: &Folder) -> Server {
     Server::start(&config(folder), floor()).await.unwrap()
 }
 
-/// What servers in tests run.
+/// A server on any port whose clock is the system's: for headsets, whose times the tests take from there; for times
+/// that go on over a restart; and for so many readers that more messages a second would be another test.
+pub async fn start_in_real_time(folder: &Folder) -> Server {
+    Server::start(&config(folder), real_time_floor()).await.unwrap()
+}
+
+/// How many times as fast as the system's clock the clock of servers in tests goes: most tests wait for robots.
+const SPEED: u32 = 4;
+
+/// The floor of servers in tests, at [`SPEED`].
 pub fn floor() -> ServedFloor {
+    let mut floor = real_time_floor();
+    floor.source.speed = SPEED;
+    floor
+}
+
+/// The same floor at the speed of the system's clock.
+pub fn real_time_floor() -> ServedFloor {
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
     ServedFloor::new(scenario, Arc::new(map()))
 }

@@ -1,6 +1,6 @@
 //! People over HTTP: workers, assignments, closed areas, positions of tags, encounters.
 
-use crate::helper::{Answer, Folder, config, eventually, floor, get, map, send, start};
+use crate::helper::{Answer, Folder, config, eventually, floor, get, map, send, start, start_in_real_time};
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
@@ -203,7 +203,7 @@ async fn an_area_is_closed_and_opened_again() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_closure_is_announced_then_closed_then_over_by_itself_and_known_after_a_restart() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     let in_s = |s: i64| (jiff::Timestamp::now() + jiff::SignedDuration::from_secs(s)).to_string();
     let body = |from, until| json!({"nodes": [place()], "from": from, "until": until, "reason": "cleaning"});
@@ -225,7 +225,7 @@ async fn a_closure_is_announced_then_closed_then_over_by_itself_and_known_after_
     eventually("the closure is over", is_over).await;
     assert_eq!(states, [json!("announced"), json!("closed"), json!("over")]);
     server.stop().await.unwrap();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let listed = get(server.address(), "/v1/closures").await.json();
     let states: Vec<&Value> = listed["items"].as_array().unwrap().iter().map(|c| &c["state"]).collect();
     assert_eq!(states, ["announced", "closed", "over"]);

@@ -130,7 +130,7 @@ impl Setup {
     pub fn served(self) -> ServedFloor {
         let Setup { scenario, warehouse, lines, is_site, .. } = self;
         let is_simulated = !is_site || scenario.site.links.sim.is_some();
-        ServedFloor::new(FloorSource { scenario, lines, is_simulated }, warehouse)
+        ServedFloor::new(FloorSource { lines, is_simulated, ..FloorSource::from(scenario) }, warehouse)
     }
 
     /// Replaces the figures about people by those in a file, if one is named.

@@ -6,7 +6,7 @@
 use giveway_floor::time::{Span, Time};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicI64, Ordering};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// How far the journal may be ahead of the system's clock without a warning.
 const TOLERANCE: Span = Span::from_secs(60);
@@ -16,6 +16,8 @@ const TOLERANCE: Span = Span::from_secs(60);
 pub struct Clock {
     origin: Instant,
     start: i64,
+    /// How many times as fast as the system's clock it goes.
+    speed: u32,
     last: AtomicI64,
 }
 
@@ -28,7 +30,19 @@ impl Clock {
             let ahead_s = (start - wall) / 1_000_000;
             tracing::warn!(ahead_s, "the journal is ahead of the system clock: was the clock set back?");
         }
-        Clock { origin: Instant::now(), start, last: AtomicI64::new(start) }
+        Clock { origin: Instant::now(), start, speed: 1, last: AtomicI64::new(start) }
+    }
+
+    /// The same clock, going this many times as fast: tests do not wait for robots in real time. Only where all robots
+    /// and people are simulated, since they live by this clock.
+    pub fn at_speed(self, speed: u32) -> Clock {
+        assert!(speed > 0, "a clock that stands moves no robot");
+        Clock { speed, ..self }
+    }
+
+    /// For how long a span of this clock lasts by the system's clock.
+    pub fn lasts(&self, span: Span) -> Duration {
+        Duration::from_micros(span.0.max(0).unsigned_abs()) / self.speed
     }
 
     /// When this clock started.
@@ -39,15 +53,19 @@ impl Clock {
     /// How far the system's clock is ahead of this one; negative if it is behind. This clock does not follow it, since
     /// times must not jump; if the system's clock was set meanwhile, an operator should know.
     pub fn system_ahead(&self) -> Span {
-        Span(wall() - self.now().0)
+        Span(wall() - self.start - self.elapsed_us())
     }
 
     /// The current time, later than every time returned before.
     pub fn now(&self) -> Time {
-        let elapsed = i64::try_from(self.origin.elapsed().as_micros()).unwrap_or(i64::MAX / 2);
-        let now = self.start + elapsed;
+        let now = self.start + self.elapsed_us().saturating_mul(i64::from(self.speed));
         let last = self.last.fetch_max(now, Ordering::Relaxed);
         if now > last { Time(now) } else { Time(self.last.fetch_add(1, Ordering::Relaxed) + 1) }
+    }
+
+    /// Microseconds since the start, by the system's clock.
+    fn elapsed_us(&self) -> i64 {
+        i64::try_from(self.origin.elapsed().as_micros()).unwrap_or(i64::MAX / 2)
     }
 }
 
@@ -72,6 +90,17 @@ mod tests {
         let clock = Clock::start(None);
         let times: Vec<_> = (0..10_000).map(|_| clock.now()).collect();
         assert!(times.is_sorted_by(|a, b| a < b));
+    }
+
+    #[test]
+    fn a_clock_at_a_speed_goes_that_much_faster_and_is_not_taken_for_one_that_was_set() {
+        let (clock, real) = (Clock::start(None).at_speed(1000), Instant::now());
+        let began = clock.now();
+        std::thread::sleep(Duration::from_millis(20));
+        let (passed, most) = (clock.now() - began, real.elapsed().as_micros() as i64 * 1000);
+        assert!((20_000_000..=most).contains(&passed.0), "{passed:?} of {most} us");
+        assert!(clock.system_ahead().0.abs() < 10_000_000, "{:?}", clock.system_ahead());
+        assert_eq!(clock.lasts(Span::from_secs(10)), Duration::from_millis(10));
     }
 
     #[test]

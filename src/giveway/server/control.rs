@@ -89,14 +89,14 @@ pub struct LoopPace {
 impl ControlLoop {
     /// Turns until `stop` turns true. Returns the links in their final state.
     pub async fn run(mut self, mut stop: watch::Receiver<bool>) -> Links {
-        let mut tick = interval(Duration::from_micros(self.period.0.unsigned_abs().max(1000)));
+        let mut tick = interval(self.clock.lasts(self.period).max(Duration::from_millis(1)));
         tick.set_missed_tick_behavior(MissedTickBehavior::Skip);
         let mut published = self.clock.started();
         while !*stop.borrow_and_update() {
             let rest = (self.pace.rests - self.clock.now()).max(Span::ZERO);
             tokio::select! {
                 _ = tick.tick() => self.turn(&mut published),
-                () = sleep(Duration::from_micros(rest.0.unsigned_abs())), if self.pace.called.is_some() => {
+                () = sleep(self.clock.lasts(rest)), if self.pace.called.is_some() => {
                     self.turn_early(&mut published);
                 }
                 heard = self.inbox.hear() => self.listen(&heard, &mut published),

@@ -214,7 +214,7 @@ pub async fn build(
     let (next, facts) = (loaded.next, loaded.facts());
     let (published, map_name) = (basis.published.clone(), map.name.clone());
     let summary = StartSummary { map: map_name, published, robots, facts, idle, ..StartSummary::default() };
-    let clock = Arc::new(Clock::start(loaded.last));
+    let clock = Arc::new(Clock::start(loaded.last).at_speed(source.speed));
     let settings = Settings { stopwatch: clock::stopwatch, ..source.site().settings() };
     let (buckets, heat) = store.load_history().await?;
     let figures =

@@ -22,11 +22,15 @@ pub struct FloorSource {
     pub lines: Vec<OrderFileLine>,
     /// Whether anything is simulated. If not, no robot is, not even one that is registered later.
     pub is_simulated: bool,
+    /// How many times as fast as the system's clock the floor's clock goes. More than 1 in tests alone: pages and
+    /// headsets live by the system's clock.
+    #[doc(hidden)]
+    pub speed: u32,
 }
 
 impl From<Scenario> for FloorSource {
     fn from(scenario: Scenario) -> FloorSource {
-        FloorSource { scenario, lines: Vec::new(), is_simulated: true }
+        FloorSource { scenario, lines: Vec::new(), is_simulated: true, speed: 1 }
     }
 }
 
