@@ -187,7 +187,8 @@ impl CutOff {
         };
         let joined = |n: NodeId| self.open.get(&station).is_some_and(|r| r.from[1][n]);
         let leaves = |a: &Arc| is_way(w, a, Some(station), true) && joined(a.to);
-        !joined(here) && !(self.held.contains_key(&here) && w.out(here).any(|(_, a)| leaves(a)))
+        let comes_out = || self.held.contains_key(&here) && w.out(here).any(|(_, a)| leaves(a));
+        !joined(here) && !comes_out()
     }
 
     /// Whether a robot without a rack gets to a rack, as far as is known.
