@@ -130,7 +130,7 @@ impl Traffic {
         match self.search(writer.floor(), robot, &stages, now) {
             Ok(route) => commit(writer, robot, route),
             Err(_) if task != old => writer.record(RobotFact::Tasked { robot, task: old }),
-            Err(_) => self.set_down_instead(writer, robot, now),
+            Err(_) => self.set_down_instead(writer, robot, 0, now),
         }
     }
 
@@ -145,20 +145,21 @@ impl Traffic {
                 self.cut_off.remove(&robot);
                 continue;
             }
-            let due = *self.cut_off.entry(robot).or_insert(now + LONG);
+            let (due, tries) = *self.cut_off.entry(robot).or_insert((now + LONG, 0));
             if due <= now && !self.effort.is_spent() {
-                self.cut_off.insert(robot, now + AGAIN);
-                self.set_down_instead(writer, robot, now);
+                self.cut_off.insert(robot, (now + AGAIN, tries + 1));
+                self.set_down_instead(writer, robot, tries, now);
             }
         }
     }
 
     /// A robot that is cut off from where its rack is to go brings it to storage that it can reach, and gives the job
     /// back if it has one: it would stand with the rack until the area is opened, or the robot repaired.
-    fn set_down_instead(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
+    /// `choice` counts down the list of places.
+    fn set_down_instead(&mut self, writer: &mut Writer, robot: RobotId, choice: usize, now: Time) {
         let floor = writer.floor();
         let Some((job, rack)) = floor.carries_in_vain(robot, now) else { return };
-        let store = floor.best_storage(robot, rack, floor.ledger.node_of(robot), 0);
+        let store = floor.best_storage(robot, rack, floor.ledger.node_of(robot), choice);
         let lift = floor.kinematics(robot).lift;
         let stage = Stage { loaded: true, stay: lift, ..Stage::to_stay(store) };
         if let Ok(route) = self.search(writer.floor(), robot, &[stage], now) {

@@ -124,8 +124,9 @@ pub struct Traffic {
     pub(super) obstructions: BTreeMap<NodeId, Obstruction>,
     /// When each robot last looked for a route round a closed area.
     pub(super) looked_round: BTreeMap<RobotId, Time>,
-    /// When each robot that stands with a rack, cut off from where the rack is to go, looks for another place next.
-    pub(super) cut_off: BTreeMap<RobotId, Time>,
+    /// When each robot that stands with a rack, cut off from where the rack is to go, looks for another place next, and
+    /// how often it has looked in vain.
+    pub(super) cut_off: BTreeMap<RobotId, (Time, usize)>,
     /// When each robot on a way out last looked for a place to leave for, while the building is evacuated.
     pub(super) cleared: BTreeMap<RobotId, Time>,
     /// Whether robots drive to the end of what they were granted and get no further grants.

@@ -7,7 +7,7 @@
 
 use super::violation::{CARRIED, Violation};
 use crate::world::World;
-use giveway_fleet::{Fleet, JobState, RackAt, Task};
+use giveway_fleet::{Fleet, JobState, RackAt, Task, Telemetry};
 use giveway_floor::id::{NodeId, RobotId};
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::{NodeKind, Warehouse};
@@ -45,6 +45,8 @@ impl CarryLaws {
         let is_free = |n: NodeId, robot: RobotId| {
             w.kind(n) == NodeKind::Storage && taken.get(&n).is_none_or(|by| *by == Some(robot))
         };
+        let stands = |(r, t): (RobotId, Telemetry)| (t.speed_mps == 0.0).then(|| ledger.node_of(r));
+        let others: BTreeSet<NodeId> = world.truth().filter_map(stands).collect();
         let mut broken = Vec::new();
         for (robot, truth) in world.truth() {
             let here = ledger.node_of(robot);
@@ -54,8 +56,9 @@ impl CarryLaws {
             let stands = may_drive && truth.speed_mps == 0.0;
             let goal = bound_for(fleet, robot).filter(|g| stands && *g != here);
             let in_vain = goal.is_some_and(|goal| {
-                let reached = reached(w, held, here, goal);
-                !reached.contains(&goal) && reached.iter().any(|n| is_free(*n, robot))
+                let past_others = || held.iter().chain(&others).copied().collect();
+                !reached(w, held, here, goal).contains(&goal)
+                    && reached(w, &past_others(), here, goal).iter().any(|n| is_free(*n, robot))
             });
             if !in_vain {
                 self.in_vain.remove(&robot);
@@ -88,13 +91,14 @@ fn bound_for(fleet: &Fleet, robot: RobotId) -> Option<NodeId> {
     }
 }
 
-/// Nodes that are closed to robots, or on which a broken robot stands.
+/// Nodes that are closed to robots, and nodes on or beside which a broken robot stands.
 fn held(fleet: &Fleet, now: Time) -> BTreeSet<NodeId> {
-    let ledger = fleet.ledger();
+    let (ledger, w) = (fleet.ledger(), fleet.warehouse());
     let closed = ledger.closures.values().filter(|c| c.binds.robots() && c.window.contains(now));
     let closed = closed.flat_map(|c| fleet.closed_by(c));
     let failed = ledger.present().filter(|r| ledger.robots[*r].failed).map(|r| ledger.node_of(r));
-    closed.chain(failed).collect()
+    let beside = |n: NodeId| w.conflicts(w.node_resource(n)).iter().filter_map(|r| w.resource(*r).ok());
+    closed.chain(failed.flat_map(|n| beside(n).chain([n]))).collect()
 }
 
 /// Storage nodes that hold a rack or that a robot is bringing one to, with that robot.

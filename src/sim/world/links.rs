@@ -50,7 +50,7 @@ impl LinkTrouble {
     }
 
     /// Begins and ends faults.
-    fn pass(&mut self, faults: &Faults, from: Time, to: Time) {
+    fn pass(&mut self, faults: &Faults, may: bool, from: Time, to: Time) {
         // Rates of zero draw no number, so that older scenarios run as they did.
         let rate = faults.link_outages_per_hour;
         match &self.state {
@@ -59,7 +59,7 @@ impl LinkTrouble {
             None if rate == 0.0 => {}
             None => {
                 let hours = (to - from).as_secs_f64() / 3600.0;
-                if self.random.happens(rate * hours) {
+                if self.random.happens(rate * hours) && may {
                     let until = to + Span::from_secs_f64(self.random.between(0.5, faults.repair_s));
                     (self.state, self.is_told) = (Some((self.draw(), until)), false);
                     self.count += 1;
@@ -77,9 +77,15 @@ impl LinkTrouble {
         }
     }
 
-    /// The link's report on its robot, if it has changed.
-    pub fn say(&mut self, robot: RobotId, faults: &Faults, from: Time, to: Time) -> Option<Input> {
-        self.pass(faults, from, to);
+    /// The link's report on its robot, if it has changed. A fault begins only if it `may`.
+    pub fn say(
+        &mut self,
+        robot: RobotId,
+        faults: &Faults,
+        may: bool,
+        (from, to): (Time, Time),
+    ) -> Option<Input> {
+        self.pass(faults, may, from, to);
         if std::mem::replace(&mut self.is_told, true) {
             return None;
         }

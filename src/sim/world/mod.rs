@@ -215,7 +215,9 @@ impl World {
                 *self.afflicted.entry(fault.word()).or_default() += 1;
             }
             robot.mind_charger(self.outages.at(robot.body.node));
-            inputs.extend(robot.trouble.say(robot.body.id, &self.faults, from, now));
+            // A robot that was just pushed could not report where it is, and other robots would be sent there.
+            let may_fail = robot.push_on.is_none();
+            inputs.extend(robot.trouble.say(robot.body.id, &self.faults, may_fail, (from, now)));
         }
         self.push_robots(from, now);
         self.guard_hands(from);
