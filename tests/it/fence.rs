@@ -1,7 +1,7 @@
 //! A journal that contradicts itself: the robot in question is fenced off, the others go on, the process stays up.
 
 use crate::helper::{
-    Folder, all_jobs, config, delivery, empty_ledger, eventually, floor, get, map, post, send, start,
+    Folder, all_jobs, config, delivery, empty_ledger, eventually, floor, get, map, post, send,
     start_in_real_time,
 };
 use giveway::drive::{GuardedCall, Trap};
@@ -26,7 +26,7 @@ async fn count(at: SocketAddr, state: &str) -> usize {
 /// it.
 async fn cut_after_a_lift() -> (Vec<Fact>, RobotId) {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     for rack in 0..6 {
         let mut job = delivery(rack);
@@ -126,7 +126,7 @@ async fn a_journal_that_cannot_be_folded_leaves_a_server_that_says_so() {
     facts.push(Fact::Route(RouteFact::Acted { robot, serial: 1_000_000 }));
     let folder = database(facts).await;
     for _ in 0..2 {
-        let server = start(&folder).await;
+        let server = start_in_real_time(&folder).await;
         let at = server.address();
         let health = get(at, "/v1/health").await;
         health.problem(503);

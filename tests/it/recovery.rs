@@ -1,6 +1,6 @@
 //! `kill -9` under load: every acknowledged job is there, none twice, and all of them end.
 
-use crate::helper::{Folder, SCENARIO, all_jobs, delivery, get, post};
+use crate::helper::{Folder, SCENARIO, all_jobs, delivery, eventually, get, post};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
@@ -102,7 +102,8 @@ async fn after_kill_9_every_acknowledged_job_is_there_once_and_gets_done() {
             .map(|c| tokio::spawn(customer(at, format!("r{round}-c{c}"), acknowledged.clone())))
             .collect();
         // The kill comes amid requests; in later rounds robots have begun to carry, too.
-        tokio::time::sleep(Duration::from_millis(80)).await;
+        let is_loaded = async || (acknowledged.lock().unwrap().len() > known.len() + 2).then_some(());
+        eventually("jobs are acknowledged", is_loaded).await;
         program.kill();
         for customer in customers {
             customer.await.unwrap();
