@@ -3,15 +3,12 @@
 //! Main types: [`KeptRequests`], [`Asked`]. Refuses: requests while the journal takes no facts; but stops and releases
 //! by hand are kept in their order, whatever else waits, and so are reports of links.
 
-use giveway_fleet::{Asker, Input, LinkState, Request, Token};
+use giveway_fleet::{Input, LinkState, Request, Token};
 use giveway_floor::id::RobotId;
 use std::collections::BTreeMap;
 
-/// Number of clients' requests that are kept while no step is made. Further ones wait where they came in.
+/// Number of requests that are kept while no step is made. Further ones wait where they came in.
 pub const MOST_REQUESTS: usize = 10_000;
-
-/// Number of requests of simulated customers, robots and supervisors that are kept; further ones are dropped.
-pub const MOST_SIMULATED: usize = 10_000;
 
 /// Requests that no step has had yet.
 #[derive(Debug, Default)]
@@ -22,9 +19,9 @@ pub struct KeptRequests {
 }
 
 impl KeptRequests {
-    /// Number of further requests of clients that can be kept.
+    /// Number of further requests that can be kept.
     pub fn room(&self) -> usize {
-        MOST_REQUESTS.saturating_sub(self.kept.iter().filter(|i| token_of_client(i).is_some()).count())
+        MOST_REQUESTS.saturating_sub(self.kept.len())
     }
 
     /// Takes requests of clients; gives the tokens of the refused ones.
@@ -49,43 +46,32 @@ impl KeptRequests {
         links.chain(self.kept.drain(..)).chain(inputs).collect()
     }
 
-    /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Simulated
-    /// requests beyond a limit are not kept either: the simulation asks again. All requests of clients are kept.
-    pub fn keep(&mut self, inputs: Vec<Input>) {
-        let mut simulated = self.kept.iter().filter(|i| token_of_client(i).is_none()).count();
-        let (before, mut dropped) = (simulated, 0);
+    /// Keeps what a later step must not miss: stops and releases, in their order, and reports of links. Observations
+    /// will be made again. Other requests come from inside the process and are refused: who made them asks again.
+    /// Gives the tokens of the refused ones.
+    pub fn keep(&mut self, inputs: Vec<Input>) -> Vec<Token> {
+        let mut refused = Vec::new();
         for input in inputs {
-            if let Input::Link(robot, state) = input {
-                self.links.insert(robot, state);
-                continue;
-            }
-            let Input::Ask { request, .. } = &input else { continue };
-            if token_of_client(&input).is_none() {
-                // Simulated pickers repeat it until their screen shows that it was heard.
-                if matches!(request, Request::Station(..)) {
-                    continue;
+            match input {
+                Input::Link(robot, state) => _ = self.links.insert(robot, state),
+                Input::Ask { ref request, .. } if request.is_by_hand() && self.room() > 0 => {
+                    self.kept.push(input);
                 }
-                if simulated >= MOST_SIMULATED {
-                    dropped += 1;
-                    continue;
-                }
-                simulated += 1;
+                Input::Ask { token, .. } => refused.push(token),
+                _ => {}
             }
-            self.kept.push(input);
         }
-        if dropped > 0 && before < MOST_SIMULATED {
-            tracing::warn!(dropped, "simulated requests are dropped: no step is made");
-        }
+        refused
     }
 
-    /// Drops everything; gives the tokens of the clients' requests that come to nothing.
+    /// Drops everything; gives the tokens of the requests that come to nothing.
     pub fn give_up(&mut self) -> Vec<Token> {
         self.links.clear();
-        self.kept.drain(..).filter_map(|input| token_of_client(&input)).collect()
+        self.kept.drain(..).filter_map(|input| token_of(&input)).collect()
     }
 }
 
-/// Clients' requests and links' reports in a step: if the step panicked, none of them took effect.
+/// Requests and links' reports in a step: if the step panicked, none of them took effect.
 pub struct Asked {
     /// Tokens of all requests except stops and releases.
     pub tokens: Vec<Token>,
@@ -100,20 +86,18 @@ impl Asked {
         for input in inputs {
             match input {
                 Input::Link(..) => asked.again.push(input.clone()),
-                Input::Ask { request, .. } if request.is_by_hand() && token_of_client(input).is_some() => {
-                    asked.again.push(input.clone());
-                }
-                _ => asked.tokens.extend(token_of_client(input)),
+                Input::Ask { request, .. } if request.is_by_hand() => asked.again.push(input.clone()),
+                _ => asked.tokens.extend(token_of(input)),
             }
         }
         asked
     }
 }
 
-/// The token of a client's request.
-fn token_of_client(input: &Input) -> Option<Token> {
+/// The token of a request.
+fn token_of(input: &Input) -> Option<Token> {
     match input {
-        Input::Ask { token, .. } => Some(*token).filter(|token| token.asker == Asker::CLIENTS),
+        Input::Ask { token, .. } => Some(*token),
         Input::Telemetry(_)
         | Input::Link(..)
         | Input::Sighted(_)

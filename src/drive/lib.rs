@@ -15,7 +15,7 @@ mod rescue;
 mod settle;
 
 pub use gate::{JournalReport, JournalState, MOST_PENDING};
-pub use intake::{MOST_REQUESTS, MOST_SIMULATED};
+pub use intake::MOST_REQUESTS;
 pub use link::LinkOutput;
 pub use rescue::{GuardedCall, PLANTED, Trap, panic_text};
 pub use settle::NotStanding;
@@ -138,10 +138,11 @@ impl Drive {
             }
             Mode::Mends => {
                 sent.limits = stops(drivers(&heard.inputs));
-                self.intake.keep(heard.inputs);
+                sent.refused.extend(self.intake.keep(heard.inputs));
             }
             Mode::Broken => {
                 sent.limits = stops(drivers(&heard.inputs));
+                sent.refused.extend(self.intake.keep(heard.inputs));
                 sent.refused.extend(self.intake.give_up());
             }
         }
@@ -196,7 +197,7 @@ impl Drive {
         let asked = Asked::of(&inputs);
         let Some(step) = self.step(now, inputs) else {
             sent.refused.extend(asked.tokens);
-            self.intake.keep(asked.again);
+            sent.refused.extend(self.intake.keep(asked.again));
             return;
         };
         sent.stepped = true;
@@ -205,6 +206,7 @@ impl Drive {
         // A revoked grant must not be given again by an order that has waited since before.
         let revoked = sent.limits.iter().filter(|(_, order)| matches!(order, Command::Revoke { .. }));
         revoked.for_each(|(robot, _)| self.outbox.forget_orders(*robot));
+        step.held_back.iter().for_each(|robot| self.outbox.forget_orders(*robot));
         let after = self.gate.record(step.facts.len());
         self.outbox.put(after, step.commands, step.replies);
         let written = WrittenStep { at: now, facts: step.facts, caused: step.caused };
@@ -221,7 +223,7 @@ impl Drive {
             self.alarms.push(DriveAlarm::Raise(AlarmKind::Halt, sentence::journal_full()));
             sent.limits = stops(self.fleet.ledger().robots.ids());
         }
-        self.intake.keep(inputs);
+        sent.refused.extend(self.intake.keep(inputs));
     }
 
     /// Ends the halt, since the journal takes facts again: the step that follows lifts the limits, which it did not

@@ -5,7 +5,7 @@
 
 use crate::{Released, Sent};
 use giveway_cell::arm::ArmOrder;
-use giveway_fleet::{CellWarning, Command, Guidance, Reply, Step};
+use giveway_fleet::{CellWarning, Command, Guidance, Reply, Step, Token};
 use giveway_floor::id::{RobotId, WorkerId};
 
 /// The output at one moment.
@@ -23,11 +23,13 @@ pub struct LinkOutput<'a> {
     pub arms: &'a [ArmOrder],
     /// Answers to requests.
     pub replies: &'a [Reply],
+    /// Requests that came to nothing.
+    pub refused: &'a [Token],
 }
 
 impl<'a> From<&'a Sent> for LinkOutput<'a> {
-    fn from(Sent { limits, guidance, warnings, arms, .. }: &'a Sent) -> LinkOutput<'a> {
-        LinkOutput { limits, guidance, warnings, arms, ..LinkOutput::default() }
+    fn from(Sent { limits, guidance, warnings, arms, refused, .. }: &'a Sent) -> LinkOutput<'a> {
+        LinkOutput { limits, guidance, warnings, arms, refused, ..LinkOutput::default() }
     }
 }
 
@@ -41,6 +43,6 @@ impl<'a> From<&'a Step> for LinkOutput<'a> {
     /// Everything at once, without waiting for a journal.
     fn from(step: &'a Step) -> LinkOutput<'a> {
         let Step { urgent: limits, commands: orders, guidance, warnings, arms, replies, .. } = step;
-        LinkOutput { limits, orders, guidance, warnings, arms, replies }
+        LinkOutput { limits, orders, guidance, warnings, arms, replies, refused: &[] }
     }
 }

@@ -229,19 +229,19 @@ fn a_panic_that_no_robot_can_be_named_for_stops_the_floor_where_it_was_a_step_an
 }
 
 #[test]
-fn simulated_requests_have_a_limit_and_those_of_clients_beyond_theirs_wait_where_they_came_in() {
+fn while_no_step_is_made_stops_are_kept_up_to_a_limit_and_other_requests_are_refused_or_wait_where_they_came_in()
+ {
     let mut intake = KeptRequests::default();
-    let order = Input::ask(Token { asker: Asker(1), number: 1 }, JobAction::Cancel(JobId(1)));
-    for _ in 0..2 {
-        intake.keep(vec![order.clone(); MOST_SIMULATED]);
-        assert_eq!(intake.take(vec![(Token::from(7), halt())], true), []);
-    }
+    let inside = |number| Token { asker: Asker(1), number };
+    let order = Input::ask(inside(1), JobAction::Cancel(JobId(1)));
+    assert_eq!(intake.keep(vec![order, Input::ask(inside(2), halt())]), [inside(1)]);
+    assert_eq!(intake.take(vec![(Token::from(7), halt())], true), []);
     assert_eq!(intake.room(), MOST_REQUESTS - 2);
-    let inputs = intake.with(vec![]);
-    assert_eq!(inputs.len(), MOST_SIMULATED + 2);
+    assert_eq!(intake.with(vec![]).len(), 2);
     assert_eq!(intake.take(vec![(Token::from(8), cancel())], true), [Token::from(8)]);
     let many = (0..MOST_REQUESTS as u64).map(|n| (Token::from(n), halt())).collect();
     assert_eq!((intake.take(many, true).len(), intake.room()), (0, 0));
+    assert_eq!(intake.keep(vec![Input::ask(inside(3), halt())]), [inside(3)]);
 }
 
 /// Whether a driver that first cannot make a step, and then can, knows what a link reported meanwhile.

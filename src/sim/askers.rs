@@ -2,7 +2,7 @@
 //!
 //! Refuses: to be a client of a server, which has the number 0.
 
-use giveway_fleet::Asker;
+use giveway_fleet::{Asker, Input, Request, StationOrder};
 
 /// Customers, who submit jobs and change their minds, and people at stations without a cell.
 pub const CUSTOMERS: Asker = Asker(1);
@@ -16,3 +16,15 @@ pub const CREW: Asker = Asker(4);
 pub const OUTAGES: Asker = Asker(5);
 /// People who pick at work cells.
 pub const PICKERS: Asker = Asker(6);
+
+/// Whether a party repeats this request if it gets no reply or is refused. Pickers repeat what they report of their
+/// picks until the screen shows it.
+pub fn is_made_again(input: &Input) -> bool {
+    match input {
+        Input::Ask { request: Request::Station(_, order), .. } => {
+            matches!(order, StationOrder::Pause | StationOrder::Resume)
+        }
+        Input::Ask { .. } => true,
+        _ => false,
+    }
+}

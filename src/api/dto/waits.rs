@@ -137,7 +137,7 @@ impl Names<'_> {
             JobWhy::RacksWait(_, r) => (About::Turn, Some((self.robot(r), By::Robot))),
             JobWhy::ClosedOff => (About::Closed, None),
             JobWhy::WayClosed(c) => (About::Closure, Some((closure_name(c), By::Closure))),
-            JobWhy::RackBlocked(_, r) | JobWhy::WayBlocked(r) => {
+            JobWhy::RackBlocked(_, r) | JobWhy::NodeTaken(_, r) | JobWhy::WayBlocked(r) => {
                 (About::Blocked, Some((self.robot(r), By::Robot)))
             }
             JobWhy::NoPlace(_) => (About::Place, None),

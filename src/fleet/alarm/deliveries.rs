@@ -1,8 +1,9 @@
-//! Whether the floor delivers: while jobs wait and robots can drive, something is delivered within a stated time.
+//! Whether the floor delivers: while jobs wait, and robots can drive that no job sends elsewhere by name, something is
+//! delivered within a stated time.
 //!
 //! Main type: [`Deliveries`], for simulations and for the server's alarms. Refuses: to say why nothing is delivered.
 
-use crate::{Fleet, JobKind, JobState, View, Why};
+use crate::{Fleet, JobKind, JobState, Task, View, Why};
 use giveway_floor::time::{Span, Time};
 
 /// Since when nothing was delivered although something could have been.
@@ -13,7 +14,8 @@ pub struct Deliveries {
 }
 
 impl Deliveries {
-    /// For how long nothing has been delivered although jobs wait, no person picks, and robots can drive.
+    /// For how long nothing has been delivered although jobs wait, no person picks, and robots can drive that no job
+    /// sends elsewhere by name.
     pub fn note(&mut self, fleet: &Fleet, view: &View) -> Span {
         let ledger = fleet.ledger();
         let delivered = ledger.counts.robot_deliveries;
@@ -28,7 +30,8 @@ impl Deliveries {
         };
         let picks = || ledger.jobs.values().any(|j| matches!(j.state, JobState::Picking { .. }));
         let drives = |why: Option<Why>| !why.is_some_and(Why::is_by_itself);
-        let can = || view.robots.iter().any(|r| drives(r.why) && r.battery >= r.critical);
+        let is_sent = |task: Task| matches!(task, Task::Move { job: Some(_), .. });
+        let can = || view.robots.iter().any(|r| drives(r.why) && r.battery >= r.critical && !is_sent(r.task));
         let since = self.last.filter(|(before, _)| *before == delivered && is_wanted() && !picks() && can());
         let since = since.map_or(view.now, |(_, since)| since);
         self.last = Some((delivered, since));

@@ -162,6 +162,7 @@ fn unwanted_reason(fleet: &Fleet, view: &View) -> Option<(String, Sentence)> {
                 | JobWhy::RobotBusy(..)
                 | JobWhy::StationBlocked(..)
                 | JobWhy::RackBlocked(..)
+                | JobWhy::NodeTaken(..)
                 | JobWhy::WayBlocked(_)
                 | JobWhy::WayClosed(_)
                 | JobWhy::RobotLow(_)

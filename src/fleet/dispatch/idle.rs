@@ -25,7 +25,13 @@ impl Floor<'_> {
         let index = self.ledger.index();
         let mut ready = index.named_for(robot).filter(|id| !index.waits.is_blocked(*id)).peekable();
         ready.peek()?;
-        let (now, oldest) = (index.queue.as_of(), index.queue.oldest(index.queue.as_of()));
-        ready.max_by_key(|id| (index.queue.urgency_ms(*id, now, &oldest), Reverse(*id)))
+        ready.max_by_key(|id| (self.named_urgency_ms(*id), Reverse(*id)))
+    }
+
+    /// How urgent a waiting job is among those that name robots, milliseconds.
+    pub(crate) fn named_urgency_ms(&self, job: JobId) -> i64 {
+        let queue = &self.ledger.index().queue;
+        let now = queue.as_of();
+        queue.urgency_ms(job, now, &queue.oldest(now))
     }
 }

@@ -10,20 +10,19 @@ use crate::dispatch::charging::{give_back_jobs, rest};
 use crate::dispatch::enough::stations_with_enough;
 use crate::dispatch::leaving::let_leave;
 use crate::dispatch::maintenance::send_to_maintenance;
-use crate::state::fact::{Purpose, Task};
+use crate::dispatch::named::assign_named;
+use crate::state::fact::Task;
 use crate::state::floor::Floor;
 use crate::state::index::RackGoal;
-use crate::state::job::{JobFailure, JobState};
-use crate::state::job_kind::{JobKind, RobotErrand};
+use crate::state::job::JobState;
+use crate::state::job_kind::JobKind;
 use crate::state::ledger::RackAt;
 use crate::state::needs::Needs;
 use crate::state::planners::Planners;
 use crate::state::storage::along_axes;
 use crate::state::writer::Writer;
 use giveway_floor::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
-use giveway_floor::route::Stage;
 use giveway_floor::time::Time;
-use giveway_floor::warehouse::NodeKind;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How many waiting jobs and idle robots one step matches at most.
@@ -46,7 +45,7 @@ pub(crate) fn assign(
     give_back_blocked(writer, now);
     let_leave(writer, now);
     send_to_maintenance(writer, now);
-    assign_named(writer, planners, now);
+    assign_named(writer, needs, planners, now);
     let floor = writer.floor();
     let charger_is_free = floor.a_charger_is_free();
     let idle = floor.idle_robots(now).into_iter();
@@ -54,42 +53,6 @@ pub(crate) fn assign(
         idle.partition(|r| floor.is_charged(*r, charger_is_free) && !floor.is_shut_in(*r));
     resting.extend(assign_racks(writer, needs, working, picked, now));
     rest(writer, resting, now)
-}
-
-/// Gives idle robots the jobs that name them: one for each robot, before any rack.
-fn assign_named(writer: &mut Writer, planners: &mut Planners, now: Time) {
-    for robot in writer.floor().idle_robots(now) {
-        if let Some(job) = writer.floor().named_job_for(robot).filter(|j| writer.floor().may_begin(robot, *j))
-        {
-            begin_named(writer, planners, robot, job, now);
-        }
-    }
-}
-
-/// Sends an idle robot where a job says. The job waits while there is no place for it, and while closed areas or broken
-/// robots are on all ways; it fails if no way leads there.
-fn begin_named(writer: &mut Writer, planners: &mut Planners, robot: RobotId, job: JobId, now: Time) {
-    let floor = writer.floor();
-    let errand = floor.ledger.jobs[&job].request.kind.errand();
-    let (goal, stay, purpose) = match errand.expect("a job that names a robot sends it somewhere") {
-        RobotErrand::Charge => (None, floor.free_place(robot, NodeKind::Charger), Purpose::Charge),
-        RobotErrand::Park => (None, floor.free_place(robot, NodeKind::Parking), Purpose::Park),
-        RobotErrand::Go(node) => (Some(node), floor.stay_for(robot, node), Purpose::Go),
-    };
-    let Some(stay) = stay else { return };
-    let goal = goal.unwrap_or(stay);
-    let here = writer.ledger().node_of(robot);
-    let cut_off = &writer.restrictions.cut_off;
-    if cut_off.between(writer.warehouse(), (here, goal), false, std::iter::empty()).is_some() {
-        return;
-    }
-    let ways = [Stage::to_stay(goal), Stage::to_stay(stay)];
-    let kind = writer.ledger().kinds().of(&writer.ledger().robots[robot].kind);
-    if planners.of_mut(kind).free_flow(here, &ways).is_none() {
-        return writer.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
-    }
-    let task = Task::Move { job: Some(job), goal, stay, purpose };
-    writer.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
 }
 
 /// Gives rack jobs to idle robots, and jobs for the racks that they carry to robots that were just picked from. Returns
@@ -242,12 +205,6 @@ fn candidates(
 }
 
 impl Floor<'_> {
-    /// The node itself if robots may stay there, whichever robot is there now; else another place to stay.
-    fn stay_for(&self, robot: RobotId, node: NodeId) -> Option<NodeId> {
-        let lasting = self.warehouse().nodes[node].kind.is_lasting();
-        if lasting { Some(node) } else { self.any_stay(robot) }
-    }
-
     /// For each robot, how long its ways to the racks of these jobs take, milliseconds.
     fn ways(
         &self,

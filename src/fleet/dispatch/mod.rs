@@ -12,4 +12,5 @@ pub(crate) mod idle;
 pub(crate) mod jobs;
 pub(crate) mod leaving;
 pub(crate) mod maintenance;
+pub(crate) mod named;
 mod work_ahead;

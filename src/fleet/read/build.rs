@@ -64,6 +64,7 @@ impl Fleet {
             recurring: self.writer.ledger().recurring.clone(),
             evacuation: self.writer.ledger().evacuation,
             blocked,
+            kept: self.floor().kept_nodes(),
             all_kinds: self.writer.ledger().kinds().clone(),
             building: ViewBuilding(Some(self.writer.warehouse().clone())),
             kinds,

@@ -72,6 +72,9 @@ pub struct View {
     /// Waiting jobs that come after others, each with one that is not over yet. A robot that several jobs name does one
     /// of them first.
     pub blocked: BTreeMap<JobId, JobId>,
+    /// Nodes that robots without a route cannot reach before the named robot leaves: it is going to stay there for a
+    /// job, or stands there with a rack.
+    pub kept: BTreeMap<NodeId, RobotId>,
     /// All robot kinds, including those of which no robot is.
     pub all_kinds: RobotKinds,
     /// The building for all kinds.
@@ -257,6 +260,8 @@ pub enum JobWhy {
     ClosedOff,
     /// A robot that cannot take the job stands beneath the rack.
     RackBlocked(RackId, RobotId),
+    /// The named robot is going to stay at the node where the job leads, or stands there with a rack.
+    NodeTaken(NodeId, RobotId),
     /// A robot that cannot drive stands on the only way to the rack, or to the place where it is to go.
     WayBlocked(RobotId),
     /// This closed area cuts the rack off from the place where it is to go.
@@ -298,13 +303,14 @@ impl View {
                 Some(why) if why.is_by_itself() => Some(JobWhy::Robot(named, why)),
                 _ if robot.task != Task::Idle => Some(JobWhy::RobotBusy(named, robot.job)),
                 _ => match job.request.kind {
-                    JobKind::Charge { .. } => Some(JobWhy::NoPlace(NodeKind::Charger)),
+                    JobKind::Charge { .. } => Some(self.no_place(map, robot, NodeKind::Charger)),
                     _ if robot.battery < robot.critical => Some(JobWhy::RobotLow(named)),
                     JobKind::Go { node, .. } => {
-                        let cut = self.cuts_off(map, robot, node).map(JobWhy::from);
-                        cut.or(Some(JobWhy::NoPlace(NodeKind::Parking)))
+                        let taken = self.kept.get(&node).map(|other| JobWhy::NodeTaken(node, *other));
+                        let cut = || self.cuts_off(map, robot, node).map(JobWhy::from);
+                        taken.or_else(cut).or(Some(JobWhy::NoPlace(NodeKind::Parking)))
                     }
-                    _ => Some(JobWhy::NoPlace(NodeKind::Parking)),
+                    _ => Some(self.no_place(map, robot, NodeKind::Parking)),
                 },
             };
         }
@@ -330,10 +336,8 @@ impl View {
         }
         match robot.why {
             Some(why) if why.is_by_itself() => Some(JobWhy::Robot(chosen, why)),
-            // The chosen robot first puts away the rack that it has.
-            _ if robot.job.is_some() || robot.task.carried().is_some() => {
-                Some(JobWhy::RobotBusy(chosen, robot.job))
-            }
+            // It ends what it does first: it puts away the rack that it has, or drives to where it may stay.
+            _ if robot.task != Task::Idle => Some(JobWhy::RobotBusy(chosen, robot.job)),
             _ if robot.battery < robot.critical => Some(JobWhy::RobotLow(chosen)),
             _ => None,
         }
@@ -401,6 +405,17 @@ impl View {
     fn cuts_off(&self, map: &Warehouse, robot: &RobotView, node: NodeId) -> Option<Barrier> {
         let here = robot.held.last().or(robot.granted.last())?;
         self.cut_off.between(map, (*here, node), false, std::iter::empty())
+    }
+
+    /// Why a robot goes to no place of a kind: something is on all ways to a free one, or none is free.
+    fn no_place(&self, map: &Warehouse, robot: &RobotView, kind: NodeKind) -> JobWhy {
+        let ends_at = |r: &RobotView, n: NodeId| {
+            r.held.last().or(r.granted.last()) == Some(&n) || r.task.destination() == Some(n)
+        };
+        let is_free = |n: &NodeId| !self.closing.contains(n) && !self.robots.iter().any(|r| ends_at(r, *n));
+        let mut free = map.nodes_where(|k| k == kind).into_iter().filter(is_free);
+        let cut = free.find_map(|n| self.cuts_off(map, robot, n));
+        cut.map_or(JobWhy::NoPlace(kind), JobWhy::from)
     }
 
     /// Whether a robot stands in every place of a station.

@@ -143,7 +143,9 @@ impl Fleet {
             JobWhy::RackBusy(_, robot, _) | JobWhy::RobotBusy(robot, _) | JobWhy::Robot(robot, _) => {
                 Some(robot)
             }
-            JobWhy::RackBlocked(_, robot) | JobWhy::RobotLow(robot) => Some(robot),
+            JobWhy::RackBlocked(_, robot) | JobWhy::NodeTaken(_, robot) | JobWhy::RobotLow(robot) => {
+                Some(robot)
+            }
             JobWhy::StationBlocked(_, robot) | JobWhy::WayBlocked(robot) | JobWhy::RacksWait(_, robot) => {
                 Some(robot)
             }

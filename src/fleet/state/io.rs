@@ -159,6 +159,9 @@ pub struct Step {
     pub replies: Vec<Reply>,
     /// Stops, slow-downs and their ends. They leave at once: they take no hold from any robot.
     pub urgent: Vec<(RobotId, Command)>,
+    /// Robots that obey no limit and would have to stand now: no order that still waits may reach them, since an order
+    /// that a robot does not know is the only one that can be taken back.
+    pub held_back: Vec<RobotId>,
     /// New guidance for workers, where it changed. It leaves at once.
     pub guidance: Vec<(WorkerId, Guidance)>,
     /// Warnings for people at work cells. They leave at once.

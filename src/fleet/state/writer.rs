@@ -165,6 +165,11 @@ impl Writer {
         self.out.urgent.push((robot, command));
     }
 
+    /// Keeps from a robot every order that has not left yet.
+    pub fn hold_back(&mut self, robot: RobotId) {
+        self.out.held_back.push(robot);
+    }
+
     /// Answers a request, and notes which facts it caused directly. The answer leaves once these are durable.
     pub fn answer(&mut self, token: Token, answer: Answered, caused: Range<usize>) {
         assert!(caused.end <= self.out.facts.len(), "a request caused facts that are there");

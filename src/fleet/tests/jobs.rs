@@ -284,3 +284,30 @@ fn a_robot_comes_to_where_another_rests_though_more_rest_on_the_straight_way() {
     floor.until(120, "it was there", |f| f.state(go).is_none());
     floor.assert_done_once(&[go]);
 }
+
+#[test]
+fn of_robots_that_are_sent_to_one_node_one_goes_and_another_does_other_jobs_meanwhile_and_says_so() {
+    let mut floor = TestFloor::thesis(2);
+    let parking = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
+    let [a, b] = [0, 1].map(RobotId::at);
+    let [first, second] = [a, b].map(|robot| floor.submit(request(JobKind::Go { robot, node: parking })));
+    let delivery = floor.submit(request(deliver(3)));
+    floor.run(2);
+    assert!(floor.is(first, "assigned") && floor.is(second, "waiting"), "{:?}", floor.state(second));
+    assert_eq!(floor.state(delivery).and_then(|state| state.robot()), Some(b));
+    floor.until(300, "it rests there", |f| f.state(first).is_none());
+    floor.until_over(600);
+    floor.assert_done_once(&[first, second, delivery]);
+}
+
+#[test]
+fn a_job_that_sends_a_robot_where_another_is_going_to_stay_says_which_one() {
+    let mut floor = TestFloor::thesis(2);
+    let parking = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
+    let [a, b] = [0, 1].map(RobotId::at);
+    let [_, second] = [a, b].map(|robot| floor.submit(request(JobKind::Go { robot, node: parking })));
+    floor.run(2);
+    let (view, job) = (floor.fleet.view(floor.now), &floor.fleet.ledger().jobs[&second]);
+    let why = view.why_job(floor.fleet.warehouse(), second, job);
+    assert_eq!(why, Some(JobWhy::NodeTaken(parking, a)));
+}

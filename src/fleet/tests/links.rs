@@ -1,6 +1,7 @@
 //! What robots are reached by, and what their kinds cannot do: no order asks for more.
 
 use super::*;
+use giveway_floor::geometry::Pose;
 
 const R0: RobotId = RobotId(0);
 
@@ -160,6 +161,49 @@ fn robots_that_obey_no_limit_are_told_none_and_granted_one_node_at_a_time() {
     }
     // The visit where the robot arrives just now, and one more.
     assert_eq!((shown, most), (2, 2));
+}
+
+#[test]
+fn a_robot_that_obeys_no_limit_is_not_told_what_it_was_granted_into_a_robot_that_stands_there_now() {
+    let mut scenario = scenario(2);
+    scenario.site.kinds[0].capabilities =
+        Capabilities { limits: ObeyedLimits::Nothing, revocation: false, ..Capabilities::default() };
+    let mut floor = TestFloor::new(thesis(), &scenario);
+    floor.run(1);
+    let reports: Vec<Telemetry> = floor.world.truth().map(|(_, seen)| seen).collect();
+    // The order is lost on its way.
+    let (mut now, mut turns) = (floor.now, 0);
+    let mut step = |inputs: Vec<Input>, reports: &[Telemetry]| {
+        (now, turns) = (now + Span::from_millis(100), turns + 1);
+        let again = |seen: &Telemetry| Telemetry { seen: now, seq: seen.seq + turns, ..*seen };
+        let seen = reports.iter().map(|seen| Input::Telemetry(again(seen)));
+        floor.fleet.step(now, seen.chain(inputs).collect())
+    };
+    let job = JobAction::Submit(request(deliver(40)));
+    let drives = |step: &Step| {
+        step.commands
+            .iter()
+            .find(|(_, order)| matches!(order, Command::Drive { .. }))
+            .map(|(robot, _)| *robot)
+    };
+    let first = step(vec![Input::ask(7, job)], &reports);
+    let driver = drives(&first).expect("a robot is sent");
+    // People push the other robot to just beyond the first lane.
+    let Some((_, Command::Drive { waypoints, .. })) = first.commands.first() else { panic!("{first:?}") };
+    let warehouse = thesis();
+    let at = |waypoint: &Waypoint| warehouse.nodes[waypoint.node].at;
+    let (from, to) = (at(&waypoints[0]), at(&waypoints[1]));
+    let beyond = to + (to - from) * 0.4;
+    let pushed = |seen: &Telemetry| match seen.robot == driver {
+        true => *seen,
+        false => Telemetry { pose: Pose { at: beyond, ..seen.pose }, ..*seen },
+    };
+    let reports: Vec<Telemetry> = reports.iter().map(pushed).collect();
+    assert_eq!(drives(&step(vec![], &reports)), None);
+    for _ in 0..20 {
+        let step = step(vec![], &reports);
+        assert!(drives(&step).is_none() && step.held_back.contains(&driver), "{step:?}");
+    }
 }
 
 #[test]

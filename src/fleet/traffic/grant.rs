@@ -54,10 +54,9 @@ impl Traffic {
             let direction = self.direction(robot);
             let stays = direction != Some(Direction::Forward) && writer.floor().is_halfway(robot);
             let goes_back = direction == Some(Direction::Back);
-            let is_kept = self.settling
-                || writer.floor().is_halted(robot)
-                || interrupted(robot)
-                || writer.floor().would_not_stop(yielding, robot);
+            let is_held_back = writer.floor().would_not_stop(yielding, robot);
+            let is_kept =
+                self.settling || writer.floor().is_halted(robot) || interrupted(robot) || is_held_back;
             let gets_no_more = is_kept || stays || goes_back;
             self.withheld[robot] = match gets_no_more {
                 true => writer.floor().withholds(yielding, robot, before, now),
@@ -65,7 +64,9 @@ impl Traffic {
             };
             let granted = writer.ledger().chain(robot).granted() > before;
             let is_passing = writer.floor().must_hear_of_passing(yielding, robot, now);
-            if granted || is_passing || (goes_back || !stays) && writer.floor().must_repeat(robot, now) {
+            let is_due =
+                granted || is_passing || (goes_back || !stays) && writer.floor().must_repeat(robot, now);
+            if is_due && !is_held_back {
                 send(writer, yielding, robot, goes_back, now);
             }
         }
@@ -256,7 +257,8 @@ impl Floor<'_> {
         }
     }
 
-    /// Whether a robot that obeys no limit would have to stop for a person now; such a robot gets no more than it has.
+    /// Whether a robot that obeys no limit would have to stand now. Such a robot gets no more than it has, and is not
+    /// told of what it has and does not know.
     fn would_not_stop(&self, yielding: &YieldingState, robot: RobotId) -> bool {
         let obeys = self.kind(robot).capabilities.limits;
         obeys == ObeyedLimits::Nothing && yielding.of(robot).limit_mps() == Some(0.0)

@@ -81,8 +81,11 @@ impl Yielding {
                 ObeyedLimits::Stops => {
                     self.limits(writer.floor(), people, traffic).as_stop(robot, limit, because, now)
                 }
-                // Such a robot is granted less instead.
+                // Such a robot is granted less instead, and not told what it was granted and does not know.
                 ObeyedLimits::Nothing => {
+                    if limit == Some(0.0) {
+                        writer.hold_back(robot);
+                    }
                     self.state.of_mut(robot).limit_told = Some((limit, now));
                     continue;
                 }

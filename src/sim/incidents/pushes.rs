@@ -30,7 +30,7 @@ pub(crate) struct PushSurroundings<'a> {
     pub racks: &'a IdVec<RackId, RackAt>,
     /// Positions and speeds of other robots.
     pub others: Vec<(Point, f64)>,
-    /// Ways of robots that cannot be told to stop.
+    /// Ways of robots that cannot be told to stop, with those on which an order that is under way may send them.
     pub headlong: Vec<Segment>,
     /// Where people are: a robot is never pushed onto a person.
     pub people: Vec<Point>,

@@ -220,6 +220,11 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
             let last = ledger.chain(robot).last().map(|v| v.node);
             matches!((world.racks()[rack], last), (RackAt::Stored(a), Some(b)) if a == b)
         }
+        JobWhy::NodeTaken(node, robot) => {
+            let ends = ledger.robots[robot].task.destination() == Some(node);
+            let stands = ledger.chain(robot).last().map(|v| v.node) == Some(node);
+            ends || stands && ledger.rack_on(robot).is_some()
+        }
         JobWhy::NoPlace(kind) => {
             let places = fleet.warehouse().nodes_where(|k| k == kind);
             let ends = |r| ledger.chain(r).last().map(|v| v.node);

@@ -209,9 +209,23 @@ impl RobotBody {
     }
 
     /// The lanes of the robot's orders, from where it is.
-    pub fn way(&self) -> impl Iterator<Item = Segment> + '_ {
+    fn way(&self) -> impl Iterator<Item = Segment> + '_ {
         let from = std::iter::once(self.pose.at).chain(self.path.iter().map(|t| t.at));
         from.zip(self.path.iter().map(|t| t.at)).map(|(a, b)| Segment { a, b })
+    }
+
+    /// The lanes of the robot's orders, from where it is, and those on which its next order may send it.
+    pub fn ways_soon(&self, warehouse: &Warehouse) -> Vec<Segment> {
+        let end = self.path.back().map_or(self.pose.at, |t| t.at);
+        let at = |node: NodeId| warehouse.nodes[node].at;
+        let onward = |node: NodeId| {
+            warehouse
+                .ways(node)
+                .map(move |(_, way)| Segment { a: at(node), b: at(way.to) })
+                .collect::<Vec<_>>()
+        };
+        let next = warehouse.nodes_within(end, OFF_ROUTE_M).into_iter().flat_map(onward);
+        self.way().chain(next).collect()
     }
 
     /// Whether the robot stops when told to.

@@ -5,17 +5,15 @@
 //! planted.
 
 use super::journal::SimJournal;
-use crate::askers::SUPERVISORS;
+use crate::askers::{SUPERVISORS, is_made_again};
 use crate::laws::Violation;
 use crate::random::Stream;
 use crate::scenario::Faults;
 use giveway_drive::{Drive, GuardedCall, Heard, JournalReport, JournalState, PLANTED, Released, Sent, Trap};
-use giveway_fleet::{
-    Answer, Command, Fact, Fleet, FloorAction, Input, Ledger, Made, Request, StationOrder, Token,
-};
+use giveway_fleet::{Answer, Command, Fact, Fleet, FloorAction, Input, Ledger, Made, Token};
 use giveway_floor::id::{Dense, JobId, RobotId};
 use giveway_floor::time::{Span, Time};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
 /// Purpose of the host's stream of random numbers.
 const HOST: u64 = 40;
@@ -119,7 +117,7 @@ struct FailingHost {
     /// Requests that no process has taken in.
     unheard: Vec<Input>,
     /// Requests taken in, each with the step of this process whose facts make it durable.
-    asked: VecDeque<(u64, Input)>,
+    asked: Vec<(u64, Input)>,
     /// Number of steps of this process with facts.
     recorded: u64,
     /// Fences that a person will take down, and when.
@@ -140,7 +138,7 @@ impl FailingHost {
             luck: Stream::new(seed, HOST, 0),
             down_until: None,
             unheard: Vec::new(),
-            asked: VecDeque::new(),
+            asked: Vec::new(),
             recorded: 0,
             fenced: Vec::new(),
             panicked: None,
@@ -173,6 +171,7 @@ impl FailingHost {
             self.die(drive, now, &mut turn);
             return turn;
         }
+        self.forget(&sent.refused);
         if let Some(written) = sent.written.clone() {
             self.recorded += 1;
             self.journal.write(now, written);
@@ -204,6 +203,14 @@ impl FailingHost {
     fn note_asked(&mut self, inputs: &[Input]) {
         let after = self.recorded + 1;
         self.asked.extend(inputs.iter().filter(|i| is_made_again(i)).map(|i| (after, i.clone())));
+    }
+
+    /// Forgets requests that were refused: clients repeat them.
+    fn forget(&mut self, refused: &[Token]) {
+        self.asked.retain(|(_, input)| match input {
+            Input::Ask { token, .. } => !refused.contains(token),
+            _ => true,
+        });
     }
 
     /// Draws the failures between `from` and `now`; gives the point where the process dies, if it does.
@@ -300,17 +307,5 @@ impl FailingHost {
                 }
             }
         }
-    }
-}
-
-/// Whether a client repeats this request if it gets no reply. Pickers repeat what they report of their picks until the
-/// screen shows it.
-fn is_made_again(input: &Input) -> bool {
-    match input {
-        Input::Ask { request: Request::Station(_, order), .. } => {
-            matches!(order, StationOrder::Pause | StationOrder::Resume)
-        }
-        Input::Ask { .. } => true,
-        _ => false,
     }
 }

@@ -12,7 +12,7 @@ mod passing;
 mod starting;
 
 use crate::arm::SimArms;
-use crate::askers::ROBOTS;
+use crate::askers::{ROBOTS, is_made_again};
 use crate::crew::workers::{Crew, TrueWorker};
 use crate::customers::{Customers, OrderFileLine};
 use crate::incidents::announce::Announcements;
@@ -120,6 +120,9 @@ pub struct World {
     beside: BesideLog,
     /// How often robots were pushed elsewhere.
     pushed: u64,
+    /// Requests that were made last, and those that were refused and are made again.
+    asked: Vec<Input>,
+    again: Vec<Input>,
     now: Time,
 }
 
@@ -181,6 +184,8 @@ impl World {
             guard_stops: 0,
             beside: BesideLog::new(scenario.local_planner.into()),
             pushed: 0,
+            asked: Vec::new(),
+            again: Vec::new(),
             now,
         };
         world.meet(ledger);
@@ -190,7 +195,8 @@ impl World {
     /// Advances everything to `now` and gives observations and requests.
     pub fn advance(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
         self.meet(ledger);
-        let mut inputs = self.customers.order(now, now - self.now, ledger);
+        let mut inputs = std::mem::take(&mut self.again);
+        inputs.extend(self.customers.order(now, now - self.now, ledger));
         let join = |(name, kind, node)| {
             let link = Some(USUAL_LINK.to_owned());
             Input::ask(JOINS, RobotAction::Register { name, kind, node, link })
@@ -241,6 +247,8 @@ impl World {
         if let Some(crew) = &mut self.crew {
             inputs.extend(crew.say(now, ledger));
         }
+        self.asked.clear();
+        self.asked.extend(inputs.iter().filter(|i| is_made_again(i)).cloned());
         inputs
     }
 
@@ -295,7 +303,7 @@ impl World {
             warehouse: &self.warehouse,
             racks: &self.racks,
             others: others.iter().map(|r| (r.body.pose.at, r.body.speed_mps)).collect(),
-            headlong: headlong.flat_map(|r| r.body.way()).collect(),
+            headlong: headlong.flat_map(|r| r.body.ways_soon(&self.warehouse)).collect(),
             people: self.walkers().map(|(_, walker)| walker.pose(from).at).collect(),
             kinematics: self.worst,
             blind_s: 2.0 * self.faults.longest_delay_s() + 5.0 * (to - from).as_secs_f64(),
@@ -372,7 +380,10 @@ impl World {
 
     /// Delivers the fleet's output to robots, arms, people and customers, by radio if they have one.
     pub fn take<'a>(&mut self, now: Time, out: impl Into<LinkOutput<'a>>) {
-        let LinkOutput { limits, orders, guidance, warnings, arms, replies } = out.into();
+        let LinkOutput { limits, orders, guidance, warnings, arms, replies, refused } = out.into();
+        let was_refused =
+            |input: &mut Input| matches!(input, Input::Ask { token, .. } if refused.contains(token));
+        self.again.extend(self.asked.extract_if(.., was_refused));
         for reply in replies {
             if let Reply { token: JOINS, answer: Err(why) } = reply {
                 tracing::warn!(?why, "a robot of the scenario cannot join");
