@@ -1,0 +1,140 @@
+//! What a robot does at the end of an order: it lifts a rack, sets it down, or is just there.
+//!
+//! Main types: [`LegAct`], [`ActFailure`]. Refuses: to take the end of an order for the end of its action.
+
+use super::notice::Notice;
+use super::order::OrderLife;
+use super::session::RobotSession;
+use giveway_fleet::{Act, Waypoint};
+use giveway_floor::id::RackId;
+use giveway_floor::time::{Span, Time};
+use giveway_vda5050::{Action, ActionStatus};
+
+/// A robot that stands at the end of its order and says nothing of its action for this long did not do it.
+const SAYS: Span = Span::from_millis(1500);
+
+/// What a robot does at the end of an order.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LegAct {
+    /// The serial number of the visit.
+    pub serial: u64,
+    pub act: Act,
+    /// The action; nothing if the robot has only to be there.
+    pub action: Option<Action>,
+    /// Since when the robot has been at the end of its order.
+    pub there: Option<Time>,
+}
+
+/// An action that failed, in words: the robot waits for a person.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ActFailure {
+    pub serial: u64,
+    pub words: String,
+}
+
+/// How an action ended.
+enum ActEnd {
+    Done,
+    Failed(Notice),
+}
+
+impl RobotSession {
+    /// What the robot is to do at a visit, in an order.
+    pub(super) fn leg_act(&self, order: &str, at: &Waypoint) -> Option<LegAct> {
+        let act = at.act?;
+        let form = match act {
+            Act::Lift(_) => Some(&self.settings.lift),
+            Act::Set(_) => Some(&self.settings.set),
+            Act::Pick(_) | Act::Arrive => None,
+        };
+        let action = form.map(|form| Action {
+            kind: form.kind.clone(),
+            id: format!("{order}-{}", at.serial),
+            blocking: form.blocking,
+            parameters: form.parameters.clone(),
+            retriable: false,
+        });
+        Some(LegAct { serial: at.serial, act, action, there: None })
+    }
+
+    /// Notes in a state whether the robot is done at the end of its order.
+    pub(super) fn note_act(&mut self, now: Time) {
+        let (Some((_, state)), OrderLife::Has(leg), Some(progress)) =
+            (&self.state, &mut self.order, &self.progress)
+        else {
+            return;
+        };
+        let at_end = state.order == leg.id && state.nodes.is_empty() && state.edges.is_empty();
+        let Some(act) = &mut leg.act else { return };
+        if !at_end || progress.reached != act.serial {
+            act.there = None;
+            return;
+        }
+        let there = *act.there.get_or_insert(now);
+        let act = act.clone();
+        match self.end_of(&act, now - there >= SAYS) {
+            Some(ActEnd::Done) => self.finish(&act),
+            Some(ActEnd::Failed(notice)) => {
+                let words = notice.to_string();
+                self.notice(notice);
+                self.order = OrderLife::Idle;
+                if let Some(progress) = &mut self.progress {
+                    progress.failed = Some(ActFailure { serial: act.serial, words });
+                }
+            }
+            None => {}
+        }
+    }
+
+    /// How an action ended, if it has. `waited` says that the robot had time to say something of it.
+    fn end_of(&self, act: &LegAct, waited: bool) -> Option<ActEnd> {
+        let Some(action) = &act.action else { return Some(ActEnd::Done) };
+        let (_, state) = self.state.as_ref()?;
+        let loads = state.loads.as_ref().map(|loads| !loads.is_empty());
+        let wanted = matches!(act.act, Act::Lift(_));
+        let kind = || action.kind.clone();
+        let carries = || if wanted { "nothing" } else { "something" }.to_owned();
+        match self.action_state(&action.id) {
+            Some(said)
+                if said.status == ActionStatus::Finished && loads.is_none_or(|loaded| loaded == wanted) =>
+            {
+                Some(ActEnd::Done)
+            }
+            // The load may be said one state later than the end.
+            Some(said) if said.status == ActionStatus::Finished => {
+                waited.then(|| ActEnd::Failed(Notice::FalseFinished { action: kind(), carries: carries() }))
+            }
+            Some(said) if said.status == ActionStatus::Failed => {
+                let words = said.result.clone().unwrap_or_else(|| "no reason given".to_owned());
+                Some(ActEnd::Failed(Notice::ActionFailed { action: kind(), words }))
+            }
+            Some(_) => None,
+            None if loads == Some(wanted) => Some(ActEnd::Done),
+            None => waited.then(|| ActEnd::Failed(Notice::SilentAction { action: kind() })),
+        }
+    }
+
+    /// Whether what the robot carries shows that an action was done.
+    pub(super) fn shows_done(&self, act: &LegAct) -> bool {
+        let loads = self.state.as_ref().and_then(|(_, state)| state.loads.as_ref());
+        act.action.is_some() && loads.is_some_and(|loads| loads.is_empty() != matches!(act.act, Act::Lift(_)))
+    }
+
+    fn finish(&mut self, act: &LegAct) {
+        self.order = OrderLife::Idle;
+        let Some(progress) = &mut self.progress else { return };
+        progress.acted = Some(act.serial);
+        progress.rack = match act.act {
+            Act::Lift(rack) => Some(rack),
+            Act::Set(_) => None,
+            Act::Pick(_) | Act::Arrive => progress.rack,
+        };
+    }
+
+    /// A person has looked after a robot whose action failed, and it carries this now.
+    pub fn settle(&mut self, rack: Option<RackId>) {
+        if let Some(progress) = &mut self.progress {
+            (progress.failed, progress.rack) = (None, rack);
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Cancelling: asked for until no nodes are left and the robot stands.
+//!
+//! Main type: [`Cancel`]. Refuses: to take a robot's word for it, and to send anything more for a cancelled order.
+
+use super::notice::Notice;
+use super::order::OrderLife;
+use super::session::{Asked, RobotSession};
+use giveway_floor::time::{Span, Time};
+
+const CANCEL: &str = "cancelOrder";
+/// A robot that drives on for this long after it said that it had cancelled its order has not.
+const BRAKES: Span = Span::from_millis(1500);
+/// A cancel that has not ended after this needs a person.
+const ENDS: Span = Span::from_secs(20);
+
+/// A cancel of an order.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Cancel {
+    pub asked: Asked,
+    /// The revocation that it obeys, if it obeys one.
+    pub number: Option<u64>,
+    /// Since when the robot says that it is done.
+    pub said: Option<Time>,
+    /// Whether a false word, or none, was noticed.
+    pub is_false: bool,
+    pub is_late: bool,
+}
+
+impl RobotSession {
+    /// Takes back what the robot was released and has not driven, if it stands where the fleet believes.
+    pub(super) fn revoke(&mut self, now: Time, reached: u64, number: u64) {
+        let Some(progress) = &mut self.progress else { return };
+        if progress.reached != reached || number != progress.recalls + 1 {
+            return;
+        }
+        self.wanted = None;
+        match &self.order {
+            OrderLife::Idle => (progress.recalls, progress.known) = (number, reached),
+            OrderLife::Has(_) => self.begin_cancel(now, Some(number)),
+            OrderLife::Cancels { .. } => {
+                if let OrderLife::Cancels { cancel, .. } = &mut self.order {
+                    cancel.number = Some(number);
+                }
+            }
+        }
+    }
+
+    /// Begins to cancel the order that the robot has.
+    pub(super) fn begin_cancel(&mut self, now: Time, number: Option<u64>) {
+        if let OrderLife::Has(leg) = std::mem::replace(&mut self.order, OrderLife::Idle) {
+            let asked = self.ask(now, CANCEL);
+            let cancel = Cancel { asked, number, said: None, is_false: false, is_late: false };
+            self.order = OrderLife::Cancels { leg, cancel };
+        }
+    }
+
+    /// Looks after a cancel. Gives whether one is going on.
+    pub(super) fn mind_cancel(&mut self, now: Time) -> bool {
+        let OrderLife::Cancels { cancel, .. } = &self.order else { return false };
+        let cancel = cancel.clone();
+        let heard = self.state.as_ref().filter(|(at, _)| *at >= cancel.asked.since);
+        let is_over = heard.is_some_and(|(_, state)| state.nodes.is_empty() && state.edges.is_empty());
+        if is_over && self.motion.stands() {
+            self.end_cancel(&cancel);
+            return true;
+        }
+        self.look_again(now);
+        let says = self.says_finished(&cancel.asked.id);
+        let OrderLife::Cancels { cancel, .. } = &mut self.order else { return true };
+        cancel.said = cancel.said.or(says.then_some(now));
+        let goes_on = cancel.said.is_some_and(|said| now - said >= BRAKES);
+        if goes_on && !std::mem::replace(&mut cancel.is_false, true) {
+            self.notice(Notice::FalseCancel);
+        } else if !goes_on
+            && now - cancel.asked.since >= ENDS
+            && !std::mem::replace(&mut cancel.is_late, true)
+        {
+            self.notice(Notice::NoCancel);
+        }
+        true
+    }
+
+    fn end_cancel(&mut self, cancel: &Cancel) {
+        self.order = OrderLife::Idle;
+        let Some(progress) = &mut self.progress else { return };
+        progress.known = progress.reached;
+        if let Some(number) = cancel.number {
+            progress.recalls = number;
+        }
+    }
+}

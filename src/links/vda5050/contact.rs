@@ -1,0 +1,246 @@
+//! First contact: whether a robot may be commanded, and whether it obeys.
+//!
+//! Main types: [`NotReady`], [`Obedience`]. Obedience is proven by a pause of the robot while it stands: seen in its
+//! state, or in the state of the action. Refuses: to command a robot of which that was not seen.
+
+use super::pause::{START_PAUSE, STOP_PAUSE};
+use super::session::{Asked, RobotSession};
+use giveway_floor::geometry::to_mm;
+use giveway_floor::time::{Span, Time};
+use giveway_vda5050::{ActionStatus, ConnectionState, OperatingMode};
+use std::fmt;
+
+/// A state is asked for if none came for this long.
+const ASKS: Span = Span::from_secs(30);
+/// A robot that was asked for its state and sent none for this long is silent.
+const SILENCE: Span = Span::from_secs(35);
+/// A robot that was not seen to pause, or to go on, for this long does not obey.
+const PROVES: Span = Span::from_secs(10);
+/// A robot this near a node is on it, metres.
+pub(super) const ON_NODE_M: f64 = 0.3;
+
+/// Why a robot is not commanded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NotReady {
+    /// It was never heard of.
+    NeverSeen,
+    /// It has taken its leave.
+    Offline,
+    /// The broker has lost it.
+    ConnectionBroken,
+    /// It sleeps.
+    Hibernating,
+    /// It was asked for its state and has not answered.
+    Silent,
+    /// It speaks a version that is not spoken here.
+    OtherVersion(String),
+    /// Nobody but a person drives it.
+    Mode(OperatingMode),
+    /// It does not say where it is.
+    NoPosition,
+    /// It does not know where it is.
+    NotLocalized,
+    /// It is on a map that is not this floor.
+    UnknownMap(String),
+    /// It is on no node: this far from the nearest one, millimetres.
+    OnNoNode(i64),
+    /// It drives by an order that is not ours.
+    ForeignOrder(String),
+    /// It was not seen to obey yet.
+    Unproven,
+    /// It did not pause when told to; its words, if it had some.
+    NoPause(Option<String>),
+    /// It refuses orders, in its words.
+    Rejects(String),
+}
+
+/// Whether a robot was seen to obey.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Obedience {
+    Unproven,
+    /// It was told to pause.
+    Pauses(Asked),
+    /// It has paused, and was told to go on.
+    GoesOn(Asked),
+    Proven,
+    Failed(Option<String>),
+    /// It does not pause, and an operator agreed to that.
+    Consented,
+}
+
+impl RobotSession {
+    /// Why the robot is not commanded; nothing if it is.
+    pub fn not_ready(&self, now: Time) -> Option<NotReady> {
+        self.unreachable(now).or_else(|| self.unfit()).or_else(|| match &self.obedience {
+            Obedience::Proven | Obedience::Consented => {
+                let (times, words) = &self.rejected;
+                (*times >= 3).then(|| NotReady::Rejects(words.clone()))
+            }
+            Obedience::Failed(words) => Some(NotReady::NoPause(words.clone())),
+            Obedience::Unproven | Obedience::Pauses(_) | Obedience::GoesOn(_) => Some(NotReady::Unproven),
+        })
+    }
+
+    /// An operator agrees that the robot drives although it does not pause.
+    pub fn consent(&mut self) {
+        if matches!(self.obedience, Obedience::Failed(_)) {
+            self.obedience = Obedience::Consented;
+        }
+    }
+
+    /// Whether the robot stops when told to, as far as was seen.
+    pub fn pauses(&self) -> bool {
+        self.obedience == Obedience::Proven
+    }
+
+    /// Why nothing can be said to the robot.
+    pub(super) fn unreachable(&self, now: Time) -> Option<NotReady> {
+        if let Some(version) = &self.other_version {
+            return Some(NotReady::OtherVersion(version.clone()));
+        }
+        match self.connection {
+            Some(ConnectionState::Offline) => return Some(NotReady::Offline),
+            Some(ConnectionState::Broken) => return Some(NotReady::ConnectionBroken),
+            Some(ConnectionState::Hibernating) => return Some(NotReady::Hibernating),
+            Some(ConnectionState::Online) | None => {}
+        }
+        let Some((heard, _)) = &self.state else { return Some(NotReady::NeverSeen) };
+        let unanswered = self.state_asked.is_some_and(|asked| asked > *heard && now - asked >= SILENCE);
+        unanswered.then_some(NotReady::Silent)
+    }
+
+    /// Why the robot, which can be reached, takes no orders.
+    fn unfit(&self) -> Option<NotReady> {
+        let (_, state) = self.state.as_ref()?;
+        if !state.mode.takes_orders() {
+            return Some(NotReady::Mode(state.mode));
+        }
+        let Some(position) = &state.position else { return Some(NotReady::NoPosition) };
+        if !position.localized {
+            return Some(NotReady::NotLocalized);
+        }
+        if !self.settings.maps.iter().any(|frame| frame.name == position.map) {
+            return Some(NotReady::UnknownMap(position.map.clone()));
+        }
+        let drives_on = !state.nodes.is_empty() || !state.edges.is_empty();
+        if drives_on && self.leg().is_none_or(|leg| leg.id != state.order) && !self.is_ours(&state.order) {
+            return Some(NotReady::ForeignOrder(state.order.clone()));
+        }
+        let joined = self.progress.is_some();
+        let off = if joined { None } else { self.off_node_mm() };
+        off.map(NotReady::OnNoNode)
+    }
+
+    /// How far the robot is from the nearest node, if it is on none.
+    fn off_node_mm(&self) -> Option<i64> {
+        let at = self.motion.pose()?.at;
+        if !self.map.nodes_within(at, ON_NODE_M).is_empty() {
+            return None;
+        }
+        let off_m = self.map.nodes.iter().map(|node| (node.at - at).norm()).fold(f64::INFINITY, f64::min);
+        Some(to_mm(off_m))
+    }
+
+    /// Asks for a state if none came for long: a robot that has nothing to tell may be silent.
+    pub(super) fn ask_for_state(&mut self, now: Time) {
+        let heard = self.state.as_ref().map(|(at, _)| *at);
+        let last = heard.max(self.state_asked);
+        if last.is_none_or(|last| now - last >= ASKS) {
+            self.request_state(now);
+        }
+    }
+
+    /// Asks for a state now.
+    pub(super) fn request_state(&mut self, now: Time) {
+        self.state_asked = Some(now);
+        let id = self.new_id();
+        self.instant("stateRequest", &id, Vec::new());
+    }
+
+    /// Lets a robot that stands pause and go on, and looks whether it does.
+    pub(super) fn prove_obedience(&mut self, now: Time) {
+        if self.unreachable(now).is_some() || self.unfit().is_some() {
+            return;
+        }
+        match self.obedience.clone() {
+            Obedience::Unproven if self.motion.stands() => {
+                self.obedience = Obedience::Pauses(self.ask(now, START_PAUSE));
+            }
+            Obedience::Unproven => self.look_again(now),
+            Obedience::Pauses(asked) => match self.was_heeded(&asked, true) {
+                Some(Ok(())) => self.obedience = Obedience::GoesOn(self.ask(now, STOP_PAUSE)),
+                Some(Err(words)) => self.obedience = Obedience::Failed(words),
+                None if now - asked.since >= PROVES => self.obedience = Obedience::Failed(None),
+                None => self.look_again(now),
+            },
+            Obedience::GoesOn(asked) => match self.was_heeded(&asked, false) {
+                Some(Ok(())) => self.obedience = Obedience::Proven,
+                Some(Err(words)) => self.obedience = Obedience::Failed(words),
+                None if now - asked.since >= PROVES => self.obedience = Obedience::Failed(None),
+                None => self.look_again(now),
+            },
+            Obedience::Proven | Obedience::Failed(_) | Obedience::Consented => {}
+        }
+    }
+
+    /// Asks for another state while something is to be seen in one.
+    pub(super) fn look_again(&mut self, now: Time) {
+        const EVERY: Span = Span::from_secs(1);
+        let heard = self.state.as_ref().map(|(at, _)| *at);
+        if heard.max(self.state_asked).is_none_or(|last| now - last >= EVERY) {
+            self.request_state(now);
+        }
+    }
+
+    /// Asks for an instant action without parameters.
+    pub(super) fn ask(&mut self, now: Time, kind: &str) -> Asked {
+        let id = self.new_id();
+        self.instant(kind, &id, Vec::new());
+        Asked { id, since: now, last: now, tries: 1 }
+    }
+
+    /// Whether the robot has paused, or gone on, since it was asked to; its words if it refused.
+    pub(super) fn was_heeded(&self, asked: &Asked, pauses: bool) -> Option<Result<(), Option<String>>> {
+        let (heard, state) = self.state.as_ref()?;
+        if *heard < asked.since {
+            return None;
+        }
+        let action = self.action_state(&asked.id);
+        if let Some(failed) = action.filter(|a| a.status == ActionStatus::Failed) {
+            return Some(Err(failed.result.clone()));
+        }
+        let finished = action.is_some_and(|a| a.status == ActionStatus::Finished);
+        let seen = match state.paused {
+            Some(paused) => paused == pauses,
+            None => finished,
+        };
+        seen.then_some(Ok(()))
+    }
+}
+
+impl fmt::Display for NotReady {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotReady::NeverSeen => f.write_str("it was never heard of"),
+            NotReady::Offline => f.write_str("it is switched off"),
+            NotReady::ConnectionBroken => f.write_str("the broker has lost its connection"),
+            NotReady::Hibernating => f.write_str("it sleeps"),
+            NotReady::Silent => f.write_str("it does not answer"),
+            NotReady::OtherVersion(version) => {
+                write!(f, "it speaks version {version}, which is not spoken here")
+            }
+            NotReady::Mode(mode) => write!(f, "its operating mode is {mode:?}, not automatic"),
+            NotReady::NoPosition => f.write_str("it does not say where it is"),
+            NotReady::NotLocalized => f.write_str("it does not know where it is"),
+            NotReady::UnknownMap(map) => write!(f, "it is on map {map:?}, which is none of this floor's"),
+            NotReady::OnNoNode(off_mm) => {
+                write!(f, "it is on no node: the nearest is {:.2} m away", *off_mm as f64 / 1000.0)
+            }
+            NotReady::ForeignOrder(order) => write!(f, "it drives by order {order:?}, which is not ours"),
+            NotReady::Unproven => f.write_str("it was not yet seen to pause and go on"),
+            NotReady::NoPause(Some(words)) => write!(f, "it does not pause when told to: {words}"),
+            NotReady::NoPause(None) => f.write_str("it does not pause when told to"),
+            NotReady::Rejects(words) => write!(f, "it refuses orders: {words}"),
+        }
+    }
+}

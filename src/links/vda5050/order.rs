@@ -1,0 +1,450 @@
+//! Orders: one for each leg, ending at the stop with its action; and what the robot has taken of them.
+//!
+//! Main types: [`LegOrder`], [`OrderLife`]. A leg's visits have consecutive serial numbers, so that its sequence numbers
+//! are twice the visits beyond its first one; the first one's serial number is part of the order's id, so that a process
+//! that begins anew knows an order of an earlier one. Refuses: to send an update before the last one was taken.
+
+use super::acts::LegAct;
+use super::cancel::Cancel;
+use super::contact::ON_NODE_M;
+use super::notice::Notice;
+use super::session::{RobotSession, WantedDrive};
+use super::settings::RepeatRule;
+use giveway_fleet::{Act, Waypoint};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::NodeId;
+use giveway_floor::time::{Span, Time};
+use giveway_vda5050::{Edge, Message, Node, NodePosition, Order, RobotError, TopicKind};
+
+/// An order that a state does not reflect after this is asked about.
+const TAKES: Span = Span::from_millis(1000);
+/// How often one order is sent.
+const TIMES: u32 = 3;
+/// After a rejection no order is sent for this long.
+const RESTS: Span = Span::from_secs(5);
+/// A robot slower than this stands, metres per second.
+const STANDS_MPS: f64 = 0.05;
+/// Updates of an order of an earlier process leap by this, so that what that process may still send has other numbers.
+const LEAP: u32 = 1000;
+
+/// The order that a robot has of us.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum OrderLife {
+    /// None, or one that has ended.
+    Idle,
+    /// It drives by it, or is to.
+    Has(LegOrder),
+    /// It is being cancelled.
+    Cancels { leg: LegOrder, cancel: Cancel },
+}
+
+/// An order of one leg.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LegOrder {
+    pub id: String,
+    /// The serial number of the visit that has the sequence number 0.
+    pub first: u64,
+    /// The last update that was sent, and the last visit that it releases.
+    pub update: u32,
+    pub base: u64,
+    /// The last visit that the robot is known to have been released to.
+    pub known: u64,
+    /// How far the last update is.
+    pub sent: UpdateLife,
+    /// The nodes of all visits that were released, from the first one on; nothing for those of an earlier process.
+    pub nodes: Vec<Option<NodeId>>,
+    /// Whether the last update announces nodes beyond its base: such an order does not end by itself.
+    pub announces: bool,
+    /// What it does at its end.
+    pub act: Option<LegAct>,
+    /// The robot's complaints from before the last update.
+    pub complaints: Vec<RobotError>,
+    /// The message, to be sent again.
+    pub message: Option<Order>,
+}
+
+/// How far an update is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum UpdateLife {
+    /// The robot has it.
+    Taken,
+    /// It was sent this often, last at this time.
+    Sent { times: u32, last: Time },
+    /// A state was asked for, to see whether the robot has it.
+    Doubted { times: u32, asked: Time },
+}
+
+impl LegOrder {
+    /// The serial number of the visit with a sequence number.
+    pub fn serial(&self, sequence: u32) -> u64 {
+        self.first + u64::from(sequence / 2)
+    }
+}
+
+impl RobotSession {
+    /// Whether an order has an id of ours.
+    pub(super) fn is_ours(&self, order: &str) -> bool {
+        first_of(order).is_some()
+    }
+
+    /// Takes an order of an earlier process for its own, if the first state shows that the robot has or had one.
+    pub(super) fn adopt(&mut self) {
+        let (Some(granted), Some((_, state)), Some(progress)) =
+            (self.adopts, &self.state, &mut self.progress)
+        else {
+            return;
+        };
+        self.adopts = None;
+        let Some(first) = first_of(&state.order) else { return };
+        let reached = first + u64::from(state.last_sequence / 2);
+        if !(progress.reached..=granted).contains(&reached) {
+            return;
+        }
+        let has_ended = state.nodes.is_empty() && state.edges.is_empty();
+        let base = if has_ended { reached } else { granted };
+        (progress.reached, progress.known) = (reached, base);
+        self.order = OrderLife::Has(LegOrder {
+            id: state.order.clone(),
+            first,
+            update: state.update.saturating_add(LEAP),
+            base,
+            known: base,
+            sent: UpdateLife::Taken,
+            nodes: vec![None; (base + 1).saturating_sub(first) as usize],
+            announces: !has_ended,
+            act: None,
+            complaints: Vec::new(),
+            message: None,
+        });
+    }
+
+    /// Notes in a state what the robot has taken of its order, and how far it is with it.
+    pub(super) fn note_order(&mut self, now: Time) {
+        let (Some((_, state)), OrderLife::Has(leg), Some(progress)) =
+            (&self.state, &mut self.order, &mut self.progress)
+        else {
+            return;
+        };
+        let has_it = state.order == leg.id;
+        if leg.sent != UpdateLife::Taken {
+            if has_it && state.update >= leg.update {
+                (leg.sent, leg.known) = (UpdateLife::Taken, leg.base);
+                self.rejected.0 = 0;
+            } else if let Some(words) = complaint(leg, &state.errors) {
+                return self.reject(now, words);
+            }
+        } else if !has_it {
+            // The robot has forgotten the order: it began anew. It gets another one from where it is.
+            self.order = OrderLife::Idle;
+            progress.known = progress.reached;
+            return;
+        }
+        if !has_it {
+            return;
+        }
+        let serial = leg.serial(state.last_sequence);
+        progress.known = progress.known.max(leg.known);
+        let node = leg.nodes.get((serial - leg.first) as usize).copied().flatten();
+        let is_named = node.is_none_or(|n| is_name(&self.map.nodes[n].name, &state.last_node));
+        if serial > leg.known || !is_named {
+            let said = format!("node {:?}, number {}", state.last_node, state.last_sequence);
+            self.notice(Notice::FalseProgress { said });
+        } else {
+            progress.reached = progress.reached.max(serial);
+        }
+    }
+
+    /// A robot that is where it has only to be is done there.
+    pub(super) fn note_arrival(&mut self, now: Time) {
+        let (Some(wanted), Some(progress)) = (&self.wanted, &mut self.progress) else { return };
+        let here = wanted.waypoints.iter().find(|w| w.serial == progress.reached);
+        let Some(here) = here.filter(|w| progress.acted < Some(w.serial)) else { return };
+        if matches!(here.act, Some(Act::Arrive | Act::Pick(_))) && self.motion.speed_mps() < STANDS_MPS {
+            progress.acted = Some(here.serial);
+            self.report(now);
+        }
+    }
+
+    /// Sends what is to be driven and was not sent yet.
+    pub(super) fn mind_order(&mut self, now: Time) {
+        let (Some(wanted), Some(progress)) = (self.wanted.clone(), &self.progress) else { return };
+        if progress.failed.is_some() || now < self.rests_until {
+            return;
+        }
+        let Some(end) = self.base_end(&wanted) else { return };
+        let (reached, acts) = (progress.reached, self.acts_here(&wanted));
+        match &self.order {
+            OrderLife::Idle if end > reached || acts => self.send_leg(now, &wanted, end),
+            OrderLife::Has(leg) if leg.sent != UpdateLife::Taken => self.mind_update(now),
+            OrderLife::Has(leg) if leg.act.is_some() => {}
+            OrderLife::Has(leg) if end > leg.base => self.send_update(now, &wanted, end),
+            OrderLife::Has(leg) if acts && reached == leg.base => self.act_where_it_stands(now, &wanted),
+            OrderLife::Idle | OrderLife::Has(_) | OrderLife::Cancels { .. } => {}
+        }
+    }
+
+    /// The robot has driven its order and is to do something where it is, of which the order says nothing. An order of
+    /// an earlier process may have said it.
+    fn act_where_it_stands(&mut self, now: Time, wanted: &WantedDrive) {
+        let OrderLife::Has(leg) = &self.order else { return };
+        let (base, announces, is_adopted) = (leg.base, leg.announces, leg.message.is_none());
+        let here = wanted.waypoints.iter().find(|w| w.serial == base);
+        let act = here.and_then(|w| self.leg_act(&leg.id, w));
+        let was_said = |a: &LegAct| a.action.as_ref().is_some_and(|a| self.action_state(&a.id).is_some());
+        let said = act.filter(|act| is_adopted && (was_said(act) || self.shows_done(act)));
+        match (&mut self.order, said) {
+            (OrderLife::Has(leg), Some(act)) => {
+                leg.act = Some(act);
+                self.note_act(now);
+            }
+            _ if announces => self.send_update(now, wanted, base),
+            _ => {
+                self.order = OrderLife::Idle;
+                self.send_leg(now, wanted, base);
+            }
+        }
+    }
+
+    /// The last visit that the robot may be released to: no farther than the longest base, and one more at least.
+    fn base_end(&self, wanted: &WantedDrive) -> Option<u64> {
+        let reached = self.progress.as_ref()?.reached;
+        let ahead = wanted.waypoints.iter().filter(|w| w.serial >= reached);
+        let (mut end, mut length_m, mut last) = (None, 0.0, None::<Point>);
+        for waypoint in ahead {
+            let at = self.map.nodes[waypoint.node].at;
+            length_m += last.map_or(0.0, |last| (at - last).norm());
+            if length_m > self.settings.longest_base_m && end > Some(reached) {
+                break;
+            }
+            (end, last) = (Some(waypoint.serial), Some(at));
+            if waypoint.act.is_some() && waypoint.serial > reached {
+                break;
+            }
+        }
+        end
+    }
+
+    /// Whether there is something to do where the robot stands.
+    fn acts_here(&self, wanted: &WantedDrive) -> bool {
+        let Some(progress) = &self.progress else { return false };
+        let here = wanted.waypoints.iter().find(|w| w.serial == progress.reached);
+        let does = |w: &Waypoint| matches!(w.act, Some(Act::Lift(_) | Act::Set(_)));
+        here.is_some_and(|w| does(w) && progress.acted < Some(w.serial))
+    }
+
+    /// Sends a new order, from where the robot is.
+    fn send_leg(&mut self, now: Time, wanted: &WantedDrive, end: u64) {
+        let Some(first) = self.progress.as_ref().map(|p| p.reached) else { return };
+        let mut base: Vec<Waypoint> =
+            wanted.waypoints.iter().filter(|w| (first..=end).contains(&w.serial)).copied().collect();
+        if base.first().is_none_or(|w| w.serial != first) {
+            return;
+        }
+        // What was done here is not done again.
+        if self.progress.as_ref().is_some_and(|p| p.acted >= Some(first)) && base.len() > 1 {
+            base[0].act = None;
+        }
+        let id = format!("{}-{first}", self.new_id());
+        let act = base.last().and_then(|w| self.leg_act(&id, w));
+        let order = self.order_of(&id, 0, (first, &base), wanted, act.as_ref());
+        self.order = OrderLife::Has(LegOrder {
+            id,
+            first,
+            update: 0,
+            base: end,
+            known: first,
+            sent: UpdateLife::Sent { times: 1, last: now },
+            nodes: base.iter().map(|w| Some(w.node)).collect(),
+            announces: order.nodes.last().is_some_and(|n| !n.released),
+            act,
+            complaints: self.complaints(),
+            message: Some(order.clone()),
+        });
+        self.tell(TopicKind::Order, Message::Order(order));
+    }
+
+    /// Releases more of the order that the robot has.
+    fn send_update(&mut self, now: Time, wanted: &WantedDrive, end: u64) {
+        let OrderLife::Has(leg) = &self.order else { return };
+        let (id, first, base, update) = (leg.id.clone(), leg.first, leg.base, leg.update + 1);
+        let more: Vec<Waypoint> =
+            wanted.waypoints.iter().filter(|w| (base..=end).contains(&w.serial)).copied().collect();
+        if more.first().is_none_or(|w| w.serial != base) {
+            return;
+        }
+        let act = more.last().filter(|_| end > base).and_then(|w| self.leg_act(&id, w));
+        let order = self.order_of(&id, update, (first, &more), wanted, act.as_ref());
+        let complaints = self.complaints();
+        if let OrderLife::Has(leg) = &mut self.order {
+            leg.complaints = complaints;
+            leg.announces = order.nodes.last().is_some_and(|n| !n.released);
+            leg.nodes.extend(more[1..].iter().map(|w| Some(w.node)));
+            (leg.update, leg.base, leg.act) = (update, end, act);
+            leg.sent = UpdateLife::Sent { times: 1, last: now };
+            leg.message = Some(order.clone());
+        }
+        self.tell(TopicKind::Order, Message::Order(order));
+    }
+
+    /// An order or update that releases these visits and announces some more. Only the last one has an action.
+    fn order_of(
+        &self,
+        id: &str,
+        update: u32,
+        (first, base): (u64, &[Waypoint]),
+        wanted: &WantedDrive,
+        act: Option<&LegAct>,
+    ) -> Order {
+        let most = if act.is_some() { 0 } else { self.settings.horizon_nodes };
+        // What is granted and beyond the longest base is announced first.
+        let last = base.last().map_or(first, |w| w.serial);
+        let held = wanted.waypoints.iter().filter(|w| w.serial > last).map(|w| w.node);
+        let ahead: Vec<NodeId> = held.chain(wanted.horizon.iter().copied()).take(most).collect();
+        let released = base.iter().map(|w| (w.serial, w.node, true));
+        let announced = (last + 1..).zip(ahead).map(|(serial, node)| (serial, node, false));
+        let all: Vec<(u64, NodeId, bool)> = released.chain(announced).collect();
+        let sequence = |serial: u64| u32::try_from(2 * (serial - first)).unwrap_or(u32::MAX);
+        let mut nodes: Vec<Node> = (all.iter())
+            .map(|(serial, node, released)| Node {
+                id: self.map.nodes[*node].name.clone(),
+                sequence: sequence(*serial),
+                released: *released,
+                position: Some(self.place_of(self.map.nodes[*node].at)),
+                actions: act
+                    .filter(|a| a.serial == *serial)
+                    .map(|a| a.action.clone())
+                    .into_iter()
+                    .flatten()
+                    .collect(),
+            })
+            .collect();
+        if update == 0 {
+            self.begin_between(&mut nodes[0]);
+        }
+        let edges = nodes.windows(2).map(|pair| edge(&pair[0], &pair[1])).collect();
+        Order { id: id.to_owned(), update, nodes, edges }
+    }
+
+    /// A robot between two nodes begins at a temporary node where it stands.
+    fn begin_between(&self, first: &mut Node) {
+        let Some(pose) = self.motion.pose() else { return };
+        let Some(node) = self.map.nodes.iter().find(|n| n.name == first.id) else { return };
+        if (node.at - pose.at).norm() > ON_NODE_M {
+            first.id = format!("~{}", first.id);
+            first.position = Some(self.place_of(pose.at));
+        }
+    }
+
+    fn complaints(&self) -> Vec<RobotError> {
+        self.state.as_ref().map(|(_, state)| state.errors.clone()).unwrap_or_default()
+    }
+
+    fn place_of(&self, at: Point) -> NodePosition {
+        let (_, state) = self.state.as_ref().expect("a robot is ready only once it was heard");
+        let here = state.position.as_ref().map(|p| p.map.as_str());
+        let frame = self.settings.maps.iter().find(|frame| Some(frame.name.as_str()) == here);
+        let frame = frame.expect("a robot is ready only on a known map");
+        let (x, y) = frame.to_robot(at);
+        let deviation_m = Some(self.settings.deviation_m);
+        NodePosition { x, y, theta: None, deviation_m, deviation_rad: None, map: frame.name.clone() }
+    }
+
+    /// Looks after an update that the robot has not shown to have.
+    fn mind_update(&mut self, now: Time) {
+        let repeat = self.settings.repeat;
+        let heard = self.state.as_ref().map(|(at, _)| *at);
+        let OrderLife::Has(leg) = &mut self.order else { return };
+        match leg.sent {
+            UpdateLife::Taken => {}
+            UpdateLife::Sent { times, last } if now - last >= TAKES => {
+                leg.sent = UpdateLife::Doubted { times, asked: now };
+                self.request_state(now);
+            }
+            UpdateLife::Sent { .. } => {}
+            UpdateLife::Doubted { times, asked } if heard > Some(asked) => {
+                match leg.message.clone().filter(|_| repeat == RepeatRule::Safe && times < TIMES) {
+                    Some(message) => {
+                        leg.sent = UpdateLife::Sent { times: times + 1, last: now };
+                        self.tell(TopicKind::Order, Message::Order(message));
+                    }
+                    None => {
+                        self.notice(Notice::NotTaken);
+                        self.give_up(now);
+                    }
+                }
+            }
+            UpdateLife::Doubted { asked, .. } if now - asked >= TAKES => {
+                self.look_again(now);
+            }
+            UpdateLife::Doubted { .. } => {}
+        }
+    }
+
+    /// The robot has refused its order: it gets another one after a rest, three times at most.
+    fn reject(&mut self, now: Time, words: String) {
+        self.notice(Notice::Rejected { words: words.clone() });
+        self.rejected = (self.rejected.0 + 1, words);
+        self.give_up(now);
+    }
+
+    /// An order that was not taken is over. If an earlier update of it was, that one is cancelled.
+    fn give_up(&mut self, now: Time) {
+        self.rests_until = now + RESTS;
+        let OrderLife::Has(leg) = &self.order else { return };
+        if leg.update > 0 {
+            self.begin_cancel(now, None);
+        } else {
+            self.order = OrderLife::Idle;
+        }
+    }
+}
+
+fn edge(from: &Node, to: &Node) -> Edge {
+    Edge {
+        id: format!("{}-{}", from.id, to.id),
+        sequence: from.sequence + 1,
+        released: to.released,
+        from: from.id.clone(),
+        to: to.id.clone(),
+        max_speed_mps: None,
+        corridor: None,
+        actions: Vec::new(),
+    }
+}
+
+/// The robot's words against an order that it has not taken: a new complaint that is about orders.
+fn complaint(leg: &LegOrder, errors: &[RobotError]) -> Option<String> {
+    const ABOUT: [&str; 8] = [
+        "order",
+        "validation",
+        "route",
+        "start_node",
+        "unsupported",
+        "node_unreachable",
+        "unknown_map",
+        "not_available",
+    ];
+    let is_about = |e: &RobotError| {
+        let kind = e.kind.to_ascii_lowercase();
+        e.refers_to("orderId") == Some(&leg.id) || ABOUT.iter().any(|word| kind.contains(word))
+    };
+    let new = errors.iter().find(|e| !leg.complaints.contains(e) && is_about(e))?;
+    Some(match &new.description {
+        Some(description) => format!("{}: {description}", new.kind),
+        None => new.kind.clone(),
+    })
+}
+
+/// Whether a robot means this node by a name: its own, or that of a temporary node near it.
+fn is_name(node: &str, said: &str) -> bool {
+    said == node || said.strip_prefix('~') == Some(node)
+}
+
+/// The serial number in an order's id, if the id is one of ours: `gw-BOOT-NUMBER-SERIAL`.
+fn first_of(order: &str) -> Option<u64> {
+    let mut parts = order.strip_prefix("gw-")?.split('-');
+    let _boot: u64 = parts.next()?.parse().ok()?;
+    let _number: u64 = parts.next()?.parse().ok()?;
+    let first = parts.next()?.parse().ok()?;
+    parts.next().is_none().then_some(first)
+}

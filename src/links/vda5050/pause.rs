@@ -1,0 +1,120 @@
+//! Stops: a pause at once, past all queues, again until the robot stands.
+//!
+//! Main type: [`PauseLife`]. Refuses: to lift a pause that was pressed at the robot.
+
+use super::contact::Obedience;
+use super::notice::Notice;
+use super::session::{Asked, RobotSession};
+use giveway_floor::time::{Span, Time};
+use giveway_vda5050::ActionStatus;
+
+pub(super) const START_PAUSE: &str = "startPause";
+pub(super) const STOP_PAUSE: &str = "stopPause";
+/// A pause is told again after this.
+const AGAIN: Span = Span::from_millis(500);
+/// How often a pause is told.
+const TIMES: u32 = 10;
+
+/// Whether the robot is to stand, and how far it is with that.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct PauseLife {
+    /// Whether the fleet wants the robot to stand.
+    pub wanted: bool,
+    pub stage: PauseStage,
+}
+
+/// How far a robot is with a pause.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) enum PauseStage {
+    /// It may drive.
+    #[default]
+    Drives,
+    /// It was told to stand.
+    Stops(Asked),
+    /// It stands because we told it to, since this moment.
+    Stands(Time),
+    /// It was told to go on.
+    GoesOn(Asked),
+    /// It was told as often as it may be told, and did not stop.
+    Failed,
+}
+
+impl RobotSession {
+    /// Whether the robot was seen to stand by our pause.
+    pub(super) fn is_paused_by_us(&self) -> bool {
+        matches!(self.pause.stage, PauseStage::Stands(_))
+    }
+
+    /// Whether somebody has paused the robot where it is.
+    pub fn is_paused_by_hand(&self) -> bool {
+        let paused = self.state.as_ref().is_some_and(|(_, state)| state.paused == Some(true));
+        let ours = self.pause.stage != PauseStage::Drives
+            || matches!(self.obedience, Obedience::Pauses(_) | Obedience::GoesOn(_));
+        paused && !ours
+    }
+
+    /// Tells the robot to stand or to go on, as the fleet wants, until it does.
+    pub(super) fn mind_pause(&mut self, now: Time) {
+        if self.unreachable(now).is_some() {
+            return;
+        }
+        match (self.pause.wanted, self.pause.stage.clone()) {
+            (true, PauseStage::Drives | PauseStage::GoesOn(_)) => {
+                self.pause.stage = PauseStage::Stops(self.ask(now, START_PAUSE));
+            }
+            (true, PauseStage::Stops(asked)) => match self.was_heeded(&asked, true) {
+                Some(Ok(())) => self.pause.stage = PauseStage::Stands(now),
+                // A robot that is paused already may refuse to be paused.
+                Some(Err(_)) if self.says_paused() => self.pause.stage = PauseStage::Stands(now),
+                _ => self.tell_again(now, asked, START_PAUSE),
+            },
+            (true, PauseStage::Stands(since)) => self.note_false_pause(now, since),
+            (false, PauseStage::Stops(_) | PauseStage::Stands(_) | PauseStage::Failed) => {
+                self.pause.stage = PauseStage::GoesOn(self.ask(now, STOP_PAUSE));
+            }
+            (false, PauseStage::GoesOn(asked)) => match self.was_heeded(&asked, false) {
+                Some(Ok(()) | Err(_)) => self.pause.stage = PauseStage::Drives,
+                None => self.tell_again(now, asked, STOP_PAUSE),
+            },
+            (true, PauseStage::Failed) | (false, PauseStage::Drives) => {}
+        }
+    }
+
+    fn says_paused(&self) -> bool {
+        self.state.as_ref().is_some_and(|(_, state)| state.paused == Some(true))
+    }
+
+    fn tell_again(&mut self, now: Time, mut asked: Asked, kind: &str) {
+        if now - asked.last < AGAIN {
+            return;
+        }
+        if asked.tries >= TIMES {
+            let words = self.action_state(&asked.id).and_then(|a| a.result.clone());
+            self.notice(Notice::NoPause { words });
+            self.pause.stage = PauseStage::Failed;
+            return;
+        }
+        (asked.last, asked.tries) = (now, asked.tries + 1);
+        let id = asked.id.clone();
+        self.instant(kind, &id, Vec::new());
+        self.pause.stage = match kind {
+            START_PAUSE => PauseStage::Stops(asked),
+            _ => PauseStage::GoesOn(asked),
+        };
+    }
+
+    /// Notices a robot that says that it is paused, and moves although it had time to brake.
+    fn note_false_pause(&mut self, now: Time, since: Time) {
+        const MOVES_MPS: f64 = 0.1;
+        const BRAKES: Span = Span::from_millis(1500);
+        if now - since >= BRAKES && self.motion.speed_mps() > MOVES_MPS && !self.motion.stands() {
+            self.notice(Notice::FalsePause);
+            self.pause.stage = PauseStage::Drives;
+        }
+    }
+
+    /// Whether an action of ours was finished, as the robot says.
+    pub(super) fn says_finished(&self, id: &str) -> bool {
+        self.action_state(id).is_some_and(|a| a.status == ActionStatus::Finished)
+    }
+}

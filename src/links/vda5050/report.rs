@@ -1,0 +1,93 @@
+//! What the fleet is told of a robot: reports, and the state of its link.
+//!
+//! Refuses: the robot's clock; a report is from when the message arrived.
+
+use super::session::RobotSession;
+use giveway_fleet::{Fault, LinkState, Telemetry};
+use giveway_floor::time::Time;
+use giveway_vda5050::{EStop, ErrorLevel, OperatingMode, Position, Velocity};
+
+impl RobotSession {
+    /// Notes where the robot says that it is.
+    pub(super) fn see(&mut self, now: Time, position: Option<&Position>, velocity: Option<Velocity>) {
+        let Some(position) = position.filter(|p| p.localized) else { return };
+        let frame = self.settings.maps.iter().find(|frame| frame.name == position.map);
+        if let Some(frame) = frame {
+            let pose = frame.to_floor(position.x, position.y, position.theta);
+            self.motion.note(now, pose, velocity.map(|v| v.vx.hypot(v.vy)));
+        }
+    }
+
+    /// Reports to the fleet, if the robot has joined and its place is known.
+    pub(super) fn report(&mut self, now: Time) {
+        let (Some(progress), Some(pose), Some((_, state))) =
+            (&self.progress, self.motion.pose(), &self.state)
+        else {
+            return;
+        };
+        self.seq = (self.seq + 1).max(now.0.unsigned_abs());
+        let limit_mps = self.is_paused_by_us().then_some(0.0);
+        self.out.reports.push(Telemetry {
+            robot: progress.robot,
+            seq: self.seq,
+            seen: now,
+            pose,
+            speed_mps: self.motion.speed_mps(),
+            reached: progress.reached,
+            known: progress.known,
+            acted: progress.acted,
+            rack: progress.rack,
+            battery: state.power.charge,
+            fault: self.fault(),
+            limit_mps,
+            recalls: progress.recalls,
+        });
+    }
+
+    /// What keeps the robot from driving, by its own words.
+    fn fault(&self) -> Option<Fault> {
+        let (_, state) = self.state.as_ref()?;
+        if !matches!(state.e_stop, EStop::None) {
+            return Some(Fault::EmergencyStop);
+        }
+        match state.mode {
+            OperatingMode::Automatic | OperatingMode::SemiAutomatic | OperatingMode::Intervened => {}
+            OperatingMode::Manual
+            | OperatingMode::Service
+            | OperatingMode::TeachIn
+            | OperatingMode::Startup => return Some(Fault::Manual),
+        }
+        if self.is_unplugged() {
+            return Some(Fault::Unplugged);
+        }
+        let broken = self.progress.as_ref().is_some_and(|p| p.failed.is_some());
+        // A robot may say FATAL of an order that it refuses, and drive on by another one.
+        let fatal =
+            state.errors.iter().any(|e| e.level == ErrorLevel::Fatal && e.refers_to("orderId").is_none());
+        let is_stuck = fatal && !self.is_obeying();
+        (broken || is_stuck).then_some(Fault::Broken)
+    }
+
+    /// Whether the robot drives, or has nothing to drive.
+    fn is_obeying(&self) -> bool {
+        let waits = self.progress.as_ref().is_none_or(|p| p.known == p.reached);
+        waits || !self.motion.stands()
+    }
+
+    /// Tells the fleet how the robot can be reached, if that changed.
+    pub(super) fn note_link(&mut self, now: Time) {
+        if self.progress.is_none() {
+            return;
+        }
+        let refuses = match self.is_paused_by_hand() {
+            true => Some("somebody has paused it where it is".to_owned()),
+            false => self.not_ready(now).map(|why| why.to_string()),
+        };
+        let capacity = Some(self.most_visits);
+        let link = LinkState { connected: self.unreachable(now).is_none(), capacity, refuses };
+        if link != self.link {
+            self.link = link.clone();
+            self.out.link = Some(link);
+        }
+    }
+}

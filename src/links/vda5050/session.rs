@@ -1,0 +1,324 @@
+//! The session of one robot: what is known of it, and what goes in and out.
+//!
+//! Main types: [`RobotSession`], [`SessionOutput`]. Every call ends with the same look at what is to be done next, so
+//! that a lost message is noticed by whatever comes after it. Refuses: clocks, and numbers of messages, which belong to
+//! who sends them.
+
+use super::acts::ActFailure;
+use super::charge::ChargeLife;
+use super::contact::Obedience;
+use super::motion::Motion;
+use super::notice::Notice;
+use super::order::{LegOrder, OrderLife};
+use super::pause::PauseLife;
+use super::settings::RobotLinkSettings;
+use giveway_fleet::{Command, LinkState, Telemetry, Waypoint};
+use giveway_floor::id::{NodeId, RackId, RobotId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
+use giveway_vda5050::{
+    Action, ActionState, BlockingType, ConnectionState, Factsheet, Message, Parameter, State, TopicKind,
+    Version, Visualization,
+};
+use std::sync::Arc;
+
+/// Orders and instant actions that have not reached the robot after this never do.
+pub(super) const EXPIRES: Span = Span::from_secs(3);
+
+/// Something that was heard of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RobotHeard {
+    /// Its connection, or the broker's word for it.
+    Connection(ConnectionState),
+    /// Its state.
+    State(Box<State>),
+    /// Where it is.
+    Visualization(Visualization),
+    /// What it says that it can do.
+    Factsheet(Box<Factsheet>),
+    /// It speaks a version that is not spoken here.
+    OtherVersion(String),
+    /// A message under its topic names another robot.
+    OtherName(String),
+}
+
+/// A message for the robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// Its topic.
+    pub kind: TopicKind,
+    /// The message.
+    pub message: Message,
+    /// After this it is worth nothing any more.
+    pub expires: Span,
+}
+
+/// What a session wants to happen outside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SessionOutput {
+    /// Messages for the robot, in order.
+    pub told: Vec<Told>,
+    /// Reports for the fleet.
+    pub reports: Vec<Telemetry>,
+    /// The state of the robot at its link, if it changed.
+    pub link: Option<LinkState>,
+    /// What was noticed of the robot.
+    pub noticed: Vec<Notice>,
+}
+
+/// What the ledger knows of a robot when its session begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SessionStart {
+    /// The robot's number.
+    pub robot: RobotId,
+    /// The serial number of the visit where it is, as far as the ledger knows.
+    pub at: u64,
+    /// The serial number of the last visit that it was granted.
+    pub granted: u64,
+    /// How many revocations it has obeyed.
+    pub recalls: u64,
+    /// The rack on it.
+    pub rack: Option<RackId>,
+}
+
+/// How far the robot is, as the fleet counts.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Progress {
+    pub robot: RobotId,
+    pub reached: u64,
+    pub known: u64,
+    pub acted: Option<u64>,
+    pub rack: Option<RackId>,
+    pub recalls: u64,
+    /// An action that failed: the robot waits for a person.
+    pub failed: Option<ActFailure>,
+}
+
+/// What the fleet last told the robot to drive.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct WantedDrive {
+    pub waypoints: Vec<Waypoint>,
+    pub horizon: Vec<NodeId>,
+}
+
+/// An instant action that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Asked {
+    /// The action's id, the same each time.
+    pub id: String,
+    /// When it was asked for first and last.
+    pub since: Time,
+    pub last: Time,
+    pub tries: u32,
+}
+
+/// The session of one robot.
+#[derive(Debug)]
+pub struct RobotSession {
+    pub(super) version: Version,
+    pub(super) settings: RobotLinkSettings,
+    pub(super) map: Arc<Warehouse>,
+    /// A number that is greater in each process: what two processes send never has the same id.
+    pub(super) boot: u64,
+    /// Ids given out so far.
+    pub(super) ids: u64,
+    pub(super) connection: Option<ConnectionState>,
+    pub(super) other_version: Option<String>,
+    pub(super) factsheet: Option<Box<Factsheet>>,
+    /// The last state, and when it arrived.
+    pub(super) state: Option<(Time, Box<State>)>,
+    /// When a state was asked for last.
+    pub(super) state_asked: Option<Time>,
+    pub(super) motion: Motion,
+    pub(super) obedience: Obedience,
+    pub(super) pause: PauseLife,
+    pub(super) order: OrderLife,
+    pub(super) wanted: Option<WantedDrive>,
+    pub(super) progress: Option<Progress>,
+    /// The last visit that the robot was granted before this process, until its first state shows what it has.
+    pub(super) adopts: Option<u64>,
+    pub(super) charge: ChargeLife,
+    /// How many visits are within the longest base, and one at least.
+    pub(super) most_visits: usize,
+    /// The last notice, which is not given twice in a row.
+    pub(super) last_notice: Option<Notice>,
+    /// Rejections in a row, with the robot's last words.
+    pub(super) rejected: (u32, String),
+    /// Until when no order is sent, after a rejection.
+    pub(super) rests_until: Time,
+    /// The number of the last report.
+    pub(super) seq: u64,
+    pub(super) link: LinkState,
+    pub(super) out: SessionOutput,
+}
+
+impl RobotSession {
+    /// A session with a robot of which nothing is known yet.
+    pub fn new(
+        version: Version,
+        settings: RobotLinkSettings,
+        map: Arc<Warehouse>,
+        boot: u64,
+    ) -> RobotSession {
+        let shortest_m = map.lanes.iter().map(|lane| lane.length_m).fold(f64::INFINITY, f64::min);
+        let most_visits = ((settings.longest_base_m / shortest_m.max(0.05)) as usize).max(1);
+        RobotSession {
+            version,
+            settings,
+            map,
+            boot,
+            ids: 0,
+            connection: None,
+            other_version: None,
+            factsheet: None,
+            state: None,
+            state_asked: None,
+            motion: Motion::default(),
+            obedience: Obedience::Unproven,
+            pause: PauseLife::default(),
+            order: OrderLife::Idle,
+            wanted: None,
+            progress: None,
+            adopts: None,
+            charge: ChargeLife::Off,
+            most_visits,
+            last_notice: None,
+            rejected: (0, String::new()),
+            rests_until: Time::ZERO,
+            seq: 0,
+            link: LinkState::default(),
+            out: SessionOutput::default(),
+        }
+    }
+
+    /// The robot has joined the fleet, or was in its ledger when the process began. An order of an earlier process that
+    /// it still has is taken for its own.
+    pub fn join(&mut self, now: Time, start: SessionStart) -> SessionOutput {
+        let SessionStart { robot, at, granted, recalls, rack } = start;
+        let acted = None;
+        self.progress = Some(Progress { robot, reached: at, known: at, acted, rack, recalls, failed: None });
+        self.adopts = Some(granted);
+        self.adopt();
+        self.go_on(now)
+    }
+
+    /// Takes what was heard of the robot.
+    pub fn hear(&mut self, now: Time, heard: RobotHeard) -> SessionOutput {
+        match heard {
+            RobotHeard::Connection(connection) => self.connection = Some(connection),
+            RobotHeard::OtherVersion(version) => self.other_version = Some(version),
+            RobotHeard::OtherName(named) => self.notice(Notice::OtherName { named }),
+            RobotHeard::Factsheet(factsheet) => self.factsheet = Some(factsheet),
+            RobotHeard::Visualization(seen) => {
+                self.see(now, seen.position.as_ref(), seen.velocity);
+                self.report(now);
+            }
+            RobotHeard::State(state) => self.take_state(now, state),
+        }
+        self.go_on(now)
+    }
+
+    /// Takes a command of the fleet.
+    pub fn command(&mut self, now: Time, command: &Command) -> SessionOutput {
+        match command {
+            Command::Drive { waypoints, recalls, horizon, .. } => {
+                let obeyed = self.progress.as_ref().is_some_and(|p| *recalls >= p.recalls);
+                if obeyed {
+                    let drive = WantedDrive { waypoints: waypoints.clone(), horizon: horizon.clone() };
+                    self.wanted = Some(drive);
+                }
+            }
+            Command::Limit(limit) => self.pause.wanted = *limit == Some(0.0),
+            Command::Revoke { reached, number } => self.revoke(now, *reached, *number),
+        }
+        self.go_on(now)
+    }
+
+    /// Time passes: what was not answered is asked again, and silence is noticed.
+    pub fn tick(&mut self, now: Time) -> SessionOutput {
+        self.go_on(now)
+    }
+
+    /// The version that is spoken with the robot.
+    pub fn version(&self) -> Version {
+        self.version
+    }
+
+    /// What the robot says that it can do, if it has said so.
+    pub fn factsheet(&self) -> Option<&Factsheet> {
+        self.factsheet.as_deref()
+    }
+
+    /// The last state, and when it arrived.
+    pub fn state(&self) -> Option<(Time, &State)> {
+        self.state.as_ref().map(|(at, state)| (*at, &**state))
+    }
+
+    fn take_state(&mut self, now: Time, state: Box<State>) {
+        // A state that comes after the broker's word that the robot is gone outweighs it.
+        if self.connection == Some(ConnectionState::Broken) {
+            self.connection = Some(ConnectionState::Online);
+        }
+        self.other_version = None;
+        self.see(now, state.position.as_ref(), state.velocity);
+        self.state = Some((now, state));
+        self.adopt();
+        self.note_order(now);
+        self.note_act(now);
+        self.report(now);
+    }
+
+    /// What is to be done next, after anything that happened.
+    fn go_on(&mut self, now: Time) -> SessionOutput {
+        self.ask_for_state(now);
+        self.mind_pause(now);
+        self.prove_obedience(now);
+        if !self.mind_cancel(now) && self.not_ready(now).is_none() {
+            self.note_arrival(now);
+            if !self.mind_charge(now) {
+                self.mind_order(now);
+            }
+        }
+        self.note_link(now);
+        std::mem::take(&mut self.out)
+    }
+
+    /// Sends an instant action, alone in its message: two of them kill some robots.
+    pub(super) fn instant(&mut self, kind: &str, id: &str, parameters: Vec<Parameter>) {
+        let (kind, id) = (kind.to_owned(), id.to_owned());
+        let action = Action { kind, id, blocking: BlockingType::None, parameters, retriable: false };
+        self.tell(TopicKind::InstantActions, Message::InstantActions(vec![action]));
+    }
+
+    pub(super) fn tell(&mut self, kind: TopicKind, message: Message) {
+        self.out.told.push(Told { kind, message, expires: EXPIRES });
+    }
+
+    /// Passes on what was noticed, unless it was the last thing that was.
+    pub(super) fn notice(&mut self, notice: Notice) {
+        if self.last_notice.as_ref() != Some(&notice) {
+            self.last_notice = Some(notice.clone());
+            self.out.noticed.push(notice);
+        }
+    }
+
+    /// An id that was never used before.
+    pub(super) fn new_id(&mut self) -> String {
+        self.ids += 1;
+        format!("gw-{}-{}", self.boot, self.ids)
+    }
+
+    /// What the robot says about one of our actions.
+    pub(super) fn action_state(&self, id: &str) -> Option<&ActionState> {
+        let (_, state) = self.state.as_ref()?;
+        state.actions.iter().chain(&state.instant_actions).find(|action| action.id == id)
+    }
+
+    /// The order that the robot drives by, if it is ours.
+    pub(super) fn leg(&self) -> Option<&LegOrder> {
+        match &self.order {
+            OrderLife::Idle => None,
+            OrderLife::Has(leg) | OrderLife::Cancels { leg, .. } => Some(leg),
+        }
+    }
+}
