@@ -3,7 +3,8 @@
 //! Main function: [`parse`]. Refuses: unknown keys, and numbers out of range.
 
 use crate::check::{SiteError, check};
-use crate::kinds::{KindFigures, NamedKind, read_kinds};
+use crate::kinds::{KindFigures, NamedKind, read_kinds, read_links};
+use crate::vda5050::{ListedRobot, ListedRobotFile, MqttLink, MqttLinkFile, RobotLinkSettings, read_robots};
 use crate::{SimLink, Site, SiteLinks, words};
 use giveway_cell::Flow;
 use giveway_cell::arm::ArmMode;
@@ -12,6 +13,7 @@ use giveway_floor::time::Span;
 use giveway_people::aware::{HumanAwarePolicy, NodeWindows};
 use giveway_people::human::Method;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -42,6 +44,8 @@ struct SiteFile {
     #[serde(default)]
     links: LinksFile,
     #[serde(default)]
+    robots: Vec<ListedRobotFile>,
+    #[serde(default)]
     model: Option<String>,
 }
 
@@ -61,6 +65,7 @@ struct LimitsFile {
 #[serde(default, deny_unknown_fields)]
 struct LinksFile {
     sim: Option<SimLinkFile>,
+    mqtt: Option<MqttLinkFile>,
 }
 
 #[derive(Deserialize)]
@@ -70,7 +75,7 @@ struct SimLinkFile {
 }
 
 pub fn parse(text: &str) -> Result<Site, SiteError> {
-    let file: SiteFile = serde_json::from_str(text).map_err(|e| SiteError::syntax(&e))?;
+    let mut file: SiteFile = serde_json::from_str(text).map_err(|e| SiteError::syntax(&e))?;
     check("giveway_site", f64::from(file.giveway_site), 1.0..=1.0, "1, the only version there is")?;
     let usual = Site::default();
     let period_ms = file.period_ms.unwrap_or(usual.period.0 / 1000);
@@ -80,6 +85,9 @@ pub fn parse(text: &str) -> Result<Site, SiteError> {
     let sim = file.links.sim.map(|sim| SimLink { robots: sim.robots });
     let robots = sim.map_or(0, |sim| sim.robots);
     check("links.sim.robots", robots as f64, 0.0..=10_000.0, "from 0 to 10000")?;
+    let forms = read_links(&mut file.kinds)?;
+    let robots = read_robots(file.robots, &forms)?;
+    let mqtt = read_mqtt(file.links.mqtt, forms, robots)?;
     Ok(Site {
         name: file.name,
         map: file.map,
@@ -92,10 +100,27 @@ pub fn parse(text: &str) -> Result<Site, SiteError> {
         flow: file.flow.unwrap_or(usual.flow),
         arm_mode: file.arm_mode.unwrap_or(usual.arm_mode),
         limits: file.limits.read()?,
-        links: SiteLinks { sim },
+        links: SiteLinks { sim, mqtt },
         model: file.model,
         ..usual
     })
+}
+
+/// The link to the broker, if there is one; without it no kind and no robot can be behind it.
+fn read_mqtt(
+    file: Option<MqttLinkFile>,
+    forms: BTreeMap<String, RobotLinkSettings>,
+    robots: Vec<ListedRobot>,
+) -> Result<Option<MqttLink>, SiteError> {
+    if let Some(file) = file {
+        return file.read(forms, robots).map(Some);
+    }
+    if forms.is_empty() && robots.is_empty() {
+        return Ok(None);
+    }
+    let message =
+        "kinds with a `link`, and `robots`, need a broker: {\"mqtt\": {\"url\": \"mqtt://HOST:PORT\"}}";
+    Err(SiteError::Wrong { key: "links", message: message.to_owned() })
 }
 
 impl LimitsFile {
@@ -164,14 +189,15 @@ mod tests {
     #[test]
     fn what_cannot_be_is_refused_with_its_key_and_what_may_be_there() {
         let refused = |more: &str| with(more).unwrap_err();
-        assert!(refused(r#", "robots": 4"#).contains("unknown field `robots`"));
+        assert!(refused(r#", "customers": 4"#).contains("unknown field `customers`"));
+        assert!(refused(r#", "robots": 4"#).contains("expected a sequence"));
         let word = refused(r#", "policy": "polite""#);
         assert!(word.contains("unknown word `polite`, expected one of `nhir`, `shir`"), "{word}");
         assert!(
             refused(r#", "limits": {"robots": 100000}"#)
                 .starts_with("`limits.robots` is 100000, but must be")
         );
-        assert!(refused(r#", "links": {"mqtt": {}}"#).contains("mqtt"));
+        assert!(refused(r#", "links": {"mqtt": {}}"#).contains("missing field `url`"));
         assert_eq!(refused(r#", "period_ms": 5"#), "`period_ms` is 5, but must be from 10 to 1000");
         let version = parse(r#"{"giveway_site": 2, "name": "", "map": ""}"#).unwrap_err().to_string();
         assert_eq!(version, "`giveway_site` is 2, but must be 1, the only version there is");

@@ -4,6 +4,7 @@
 //! name, and impossible figures.
 
 use crate::check::{SiteError, check};
+use crate::vda5050::{LinkFigures, RobotLinkSettings};
 use crate::words;
 use giveway_fleet::{Capabilities, Charging, ObeyedLimits, RobotKind, USUAL_KIND};
 use giveway_floor::geometry::Point;
@@ -12,6 +13,7 @@ use giveway_floor::text::name_fault;
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::Footprint;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// The figures of a kind in files; missing ones take their defaults.
 #[derive(Default, Deserialize)]
@@ -29,7 +31,7 @@ pub struct KindFigures {
     carries: Option<Vec<String>>,
     payload_kg: Option<f64>,
     free_navigation: bool,
-    can: CapabilityFigures,
+    can: Option<CapabilityFigures>,
 }
 
 /// [`Capabilities`] in their file form.
@@ -80,6 +82,9 @@ pub struct NamedKind {
     /// Figures of the kind.
     #[serde(default)]
     pub fleet: KindFigures,
+    /// How its robots are spoken to, if they speak VDA 5050.
+    #[serde(default)]
+    pub link: Option<LinkFigures>,
 }
 
 /// [`Charging`] in its file form.
@@ -123,6 +128,28 @@ pub fn read_kinds(fleet: Option<KindFigures>, kinds: Vec<NamedKind>) -> Result<V
     }
     let read = |(i, kind): (usize, NamedKind)| kind.fleet.kind(kind.name, &format!("kinds[{i}].fleet"));
     kinds.into_iter().enumerate().map(read).collect()
+}
+
+/// What is set for the robots of each kind that speaks VDA 5050, by the kind's name. What the kinds' figures do not say of
+/// their abilities is what such robots can do: forget what they were released when an order is cancelled, and stand.
+///
+/// # Errors
+/// The invalid figures, by their keys.
+pub(crate) fn read_links(kinds: &mut [NamedKind]) -> Result<BTreeMap<String, RobotLinkSettings>, SiteError> {
+    let mut links = BTreeMap::new();
+    for (i, kind) in kinds.iter_mut().enumerate() {
+        let Some(link) = kind.link.take() else { continue };
+        let link = link.read(&format!("kinds[{i}].link"))?;
+        let horizon_nodes = link.horizon_nodes;
+        kind.fleet.can.get_or_insert(CapabilityFigures {
+            revocation: true,
+            limits: ObeyedLimits::Stops,
+            drives_back: false,
+            horizon_nodes,
+        });
+        links.insert(kind.name.clone(), link);
+    }
+    Ok(links)
 }
 
 /// A kind by its name and figures, an object like `fleet`.
@@ -193,7 +220,8 @@ impl KindFigures {
         check(&format!("{of}.payload_kg"), payload_kg, 0.0..=f64::INFINITY, "0 or more")?;
         let turns = self.drive == DriveWord::Differential;
         let footprints = outlines.map(|(_, outline)| outline.as_ref().map(|o| o.footprint(turns)));
-        let capabilities = self.can.read(&format!("{of}.can"))?;
+        let capabilities =
+            self.can.as_ref().map_or(Ok(Capabilities::default()), |can| can.read(&format!("{of}.can")))?;
         let KindFigures { carries, free_navigation, .. } = self;
         Ok(RobotKind {
             name,

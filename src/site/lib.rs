@@ -6,11 +6,18 @@
 
 mod check;
 mod file;
+mod frame;
 mod kinds;
+mod vda5050;
 pub mod words;
 
 pub use check::{SiteError, check};
+pub use frame::MapFrame;
 pub use kinds::{KindFigures, NamedKind, read_kind, read_kinds};
+pub use vda5050::{
+    ActionForm, InstantKey, LinkFigures, ListedRobot, MQTT_LINK, MqttLink, MqttVersion, RepeatRule,
+    RobotLinkSettings,
+};
 
 use giveway_cell::Flow;
 use giveway_cell::arm::ArmMode;
@@ -58,11 +65,13 @@ pub struct Site {
     pub picks: Arc<PickModel>,
 }
 
-/// The links to the robots of a site. Robots of other makers will have a link of their own.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// The links to the robots of a site.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SiteLinks {
     /// Simulated robots on this floor; nothing if there are none.
     pub sim: Option<SimLink>,
+    /// Robots that speak VDA 5050; nothing if there are none.
+    pub mqtt: Option<MqttLink>,
 }
 
 /// The link to simulated robots.
@@ -75,12 +84,13 @@ pub struct SimLink {
 impl SiteLinks {
     /// A link to this many simulated robots.
     pub fn simulated(robots: usize) -> SiteLinks {
-        SiteLinks { sim: Some(SimLink { robots }) }
+        SiteLinks { sim: Some(SimLink { robots }), mqtt: None }
     }
 
     /// The names of the links.
     pub fn names(&self) -> Vec<String> {
-        self.sim.iter().map(|_| USUAL_LINK.to_owned()).collect()
+        let sim = self.sim.iter().map(|_| USUAL_LINK.to_owned());
+        sim.chain(self.mqtt.iter().map(|_| MQTT_LINK.to_owned())).collect()
     }
 }
 

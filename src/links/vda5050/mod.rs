@@ -9,19 +9,15 @@ mod acts;
 mod cancel;
 mod charge;
 mod contact;
-mod frame;
 mod motion;
 mod notice;
 mod order;
 mod pause;
 mod report;
 mod session;
-mod settings;
 #[cfg(test)]
 mod tests;
 
 pub use contact::NotReady;
-pub use frame::MapFrame;
 pub use notice::Notice;
 pub use session::{RobotHeard, RobotSession, SessionOutput, SessionStart, Told};
-pub use settings::{ActionForm, InstantKey, RepeatRule, RobotLinkSettings};

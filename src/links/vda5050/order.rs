@@ -9,11 +9,11 @@ use super::cancel::Cancel;
 use super::contact::ON_NODE_M;
 use super::notice::Notice;
 use super::session::{RobotSession, WantedDrive};
-use super::settings::RepeatRule;
 use giveway_fleet::{Act, Waypoint};
 use giveway_floor::geometry::Point;
 use giveway_floor::id::NodeId;
 use giveway_floor::time::{Span, Time};
+use giveway_site::RepeatRule;
 use giveway_vda5050::{Edge, Message, Node, NodePosition, Order, RobotError, TopicKind};
 
 /// An order that a state does not reflect after this is asked about.

@@ -11,11 +11,11 @@ use super::motion::Motion;
 use super::notice::Notice;
 use super::order::{LegOrder, OrderLife};
 use super::pause::PauseLife;
-use super::settings::RobotLinkSettings;
 use giveway_fleet::{Command, LinkState, Telemetry, Waypoint};
 use giveway_floor::id::{NodeId, RackId, RobotId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
+use giveway_site::RobotLinkSettings;
 use giveway_vda5050::{
     Action, ActionState, BlockingType, ConnectionState, Factsheet, Message, Parameter, State, TopicKind,
     Version, Visualization,

@@ -31,7 +31,7 @@ pub(super) fn read(
         check(&format!("kinds[{i}].share"), kind.share as f64, 1.0..=1000.0, "from 1 to 1000")?;
     }
     let shares = if kinds.is_empty() { vec![1] } else { kinds.iter().map(|k| k.share).collect() };
-    let named = kinds.into_iter().map(|KindFile { name, fleet, .. }| NamedKind { name, fleet });
+    let named = kinds.into_iter().map(|KindFile { name, fleet, .. }| NamedKind { name, fleet, link: None });
     Ok((read_kinds(fleet, named.collect())?, shares))
 }
 
