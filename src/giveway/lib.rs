@@ -444,4 +444,5 @@ pub use giveway_site as site;
 pub use giveway_store as store;
 
 pub mod cli;
+mod mqtt;
 pub mod server;

@@ -3,6 +3,7 @@
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
 mod cells;
+mod elsewhere;
 mod faults;
 mod handover;
 mod incidents;
@@ -10,6 +11,7 @@ mod links;
 mod motion_before;
 mod passing;
 mod starting;
+mod truth;
 
 use crate::arm::SimArms;
 use crate::askers::{ROBOTS, is_made_again};
@@ -27,6 +29,7 @@ use crate::robot::RobotBody;
 use crate::robot::beside_log::BesideLog;
 use crate::scenario::{Faults, Scenario};
 use crate::walker::{RobotNear, Walker};
+use crate::world::elsewhere::is_elsewhere;
 use giveway_drive::LinkOutput;
 use giveway_fleet::{
     Command, Fault, Input, Ledger, RackAt, Reply, RobotAction, Service, Telemetry, Token, USUAL_LINK,
@@ -123,6 +126,8 @@ pub struct World {
     /// Requests that were made last, and those that were refused and are made again.
     asked: Vec<Input>,
     again: Vec<Input>,
+    /// Since when people have picked from robots of other links.
+    picked_elsewhere: BTreeMap<RobotId, Time>,
     now: Time,
 }
 
@@ -186,6 +191,7 @@ impl World {
             pushed: 0,
             asked: Vec::new(),
             again: Vec::new(),
+            picked_elsewhere: BTreeMap::new(),
             now,
         };
         world.meet(ledger);
@@ -230,7 +236,9 @@ impl World {
         self.show_people();
         self.live(from, now);
         self.note_racks();
+        self.note_racks_elsewhere(ledger);
         inputs.extend(self.picks(ledger));
+        inputs.extend(self.picks_elsewhere(ledger));
         inputs.extend(self.pick_lines(from, now, ledger));
         for robot in self.robots.iter_mut().filter(|r| !r.off) {
             let report = robot.body.report(now);
@@ -257,6 +265,9 @@ impl World {
         for i in 0..self.robots.len() {
             let (id, robot) = (RobotId::at(i), &self.robots[i]);
             let Some(service) = ledger.robots.get(id).map(|r| r.service) else { break };
+            if is_elsewhere(ledger, id) {
+                continue;
+            }
             if !robot.off && robot.body.can_be_taken() && may_be_taken(ledger, id) {
                 self.robots[i].off = true;
             } else if robot.off && !matches!(service, Service::Leaving { .. } | Service::Gone { .. }) {
@@ -529,7 +540,9 @@ impl World {
     fn meet(&mut self, ledger: &Ledger) {
         for i in self.robots.len()..ledger.robots.len() {
             self.worst = most_dangerous(ledger.kinds());
-            self.robots.push(self.robot(RobotId::at(i), ledger));
+            let id = RobotId::at(i);
+            let robot = self.robot(id, ledger);
+            self.robots.push(SimRobot { off: is_elsewhere(ledger, id), ..robot });
         }
     }
 
@@ -569,31 +582,5 @@ impl World {
             tries: 0,
             off: record.is_gone(),
         }
-    }
-
-    /// Where each robot truly is.
-    pub fn places(&self) -> impl Iterator<Item = (RobotId, Point)> {
-        self.robots.iter().filter(|r| !r.off).map(|r| (r.body.id, r.body.pose.at))
-    }
-
-    /// Whether the outlines of two robots truly overlap by more than `slack_m`.
-    pub fn overlap(&self, a: RobotId, b: RobotId, slack_m: f64) -> bool {
-        let [a, b] = [a, b].map(|robot| &self.robots[robot.ix()].body);
-        a.footprint().at(a.pose).overlaps(&b.footprint().at(b.pose), slack_m)
-    }
-
-    /// Whether the link of a robot is up.
-    pub fn is_connected(&self, robot: RobotId) -> bool {
-        self.robots[robot.ix()].trouble.is_connected()
-    }
-
-    /// Whether the link of a robot takes orders for it.
-    pub fn takes_orders(&self, robot: RobotId) -> bool {
-        self.robots[robot.ix()].trouble.takes_orders()
-    }
-
-    /// Where each robot truly is, its speed, and the serial number of the last visit that it knows: for the laws.
-    pub fn truth(&self) -> impl Iterator<Item = (RobotId, Telemetry)> {
-        self.robots.iter().filter(|r| !r.off).map(|r| (r.body.id, r.body.report(self.now)))
     }
 }
