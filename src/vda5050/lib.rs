@@ -14,8 +14,8 @@ pub use model::error::{ErrorLevel, ErrorReference, RobotError};
 pub use model::factsheet::{ActionScope, Factsheet, OfferedAction};
 pub use model::order::{Corridor, Edge, Node, NodePosition, Order};
 pub use model::state::{
-    ConnectionState, EStop, Load, NodeLeft, OperatingMode, Position, Power, Request, RequestStatus, State,
-    Velocity, Visualization,
+    ConnectionState, EStop, Load, NodeLeft, OperatingMode, Position, Power, Request, RequestStatus,
+    RequestSubject, State, Velocity, Visualization,
 };
 pub use model::{Header, Message};
 pub use topic::{Address, AddressError, TopicKind};
