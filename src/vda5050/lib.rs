@@ -6,8 +6,10 @@
 //! [`read()`], [`write()`]. Refuses: to know what a message means for anybody, and to know MQTT.
 
 pub mod model;
+pub mod read;
 pub mod topic;
 pub mod version;
+mod vocabulary;
 
 pub use model::action::{Action, ActionState, ActionStatus, BlockingType, Parameter};
 pub use model::error::{ErrorLevel, ErrorReference, RobotError};
@@ -18,5 +20,6 @@ pub use model::state::{
     RequestSubject, State, Velocity, Visualization,
 };
 pub use model::{Header, Message};
+pub use read::{Oddity, Read, Unreadable, read};
 pub use topic::{Address, AddressError, TopicKind};
 pub use version::Version;
