@@ -10,6 +10,7 @@ pub mod read;
 pub mod topic;
 pub mod version;
 mod vocabulary;
+pub mod write;
 
 pub use model::action::{Action, ActionState, ActionStatus, BlockingType, Parameter};
 pub use model::error::{ErrorLevel, ErrorReference, RobotError};
@@ -23,3 +24,4 @@ pub use model::{Header, Message};
 pub use read::{Oddity, Read, Unreadable, read};
 pub use topic::{Address, AddressError, TopicKind};
 pub use version::Version;
+pub use write::write;
