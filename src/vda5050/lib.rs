@@ -6,17 +6,22 @@
 //! [`read()`], [`write()`]. Refuses: to know what a message means for anybody, and to know MQTT.
 
 pub mod model;
+pub mod read;
 pub mod topic;
 pub mod version;
+mod vocabulary;
+pub mod write;
 
 pub use model::action::{Action, ActionState, ActionStatus, BlockingType, Parameter};
 pub use model::error::{ErrorLevel, ErrorReference, RobotError};
 pub use model::factsheet::{ActionScope, Factsheet, OfferedAction};
 pub use model::order::{Corridor, Edge, Node, NodePosition, Order};
 pub use model::state::{
-    ConnectionState, EStop, Load, NodeLeft, OperatingMode, Position, Power, Request, RequestStatus, State,
-    Velocity, Visualization,
+    ConnectionState, EStop, Load, NodeLeft, OperatingMode, Position, Power, Request, RequestStatus,
+    RequestSubject, State, Velocity, Visualization,
 };
 pub use model::{Header, Message};
+pub use read::{Oddity, Read, Unreadable, read};
 pub use topic::{Address, AddressError, TopicKind};
 pub use version::Version;
+pub use write::write;

@@ -99,8 +99,8 @@ pub struct Load {
 /// A robot's battery.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Power {
-    /// Charge, from 0 to 1.
-    pub charge: f64,
+    /// Charge, from 0 to 1, if the robot says it; written as 0 if not.
+    pub charge: Option<f64>,
     /// Whether it gets current.
     pub charging: bool,
 }
@@ -142,12 +142,31 @@ pub enum EStop {
 pub struct Request {
     /// The request's id.
     pub id: String,
-    /// The zone, or the edge, that it is about.
-    pub about: String,
-    /// Whether it is about leaving the line of an edge, not about a zone.
-    pub is_corridor: bool,
+    /// What it is about.
+    pub subject: RequestSubject,
     /// How far it is.
     pub status: RequestStatus,
+}
+
+/// What a robot's request is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RequestSubject {
+    /// A zone.
+    Zone {
+        /// The zone's id.
+        zone: String,
+        /// The id of the zone set that has the zone.
+        zone_set: String,
+        /// Whether the robot asks for another way through the zone, not for access.
+        replanning: bool,
+    },
+    /// Leaving the line of an edge within its corridor.
+    Corridor {
+        /// The edge's id.
+        edge: String,
+        /// The edge's number in the order.
+        sequence: u32,
+    },
 }
 
 /// How far a request of a robot is.
@@ -166,6 +185,8 @@ pub enum RequestStatus {
 /// Where a robot is: a part of its state, said more often.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visualization {
+    /// The header id of the robot's last state before it, 3.0.
+    pub state_header: Option<u32>,
     /// Where the robot is, if it knows.
     pub position: Option<Position>,
     /// How fast it drives, if it says.
