@@ -7,6 +7,8 @@
 
 pub mod model;
 pub mod read;
+#[cfg(test)]
+mod tests;
 pub mod topic;
 pub mod version;
 mod vocabulary;
