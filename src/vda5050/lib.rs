@@ -2,11 +2,13 @@
 //!
 //! A message is read into the model whatever its version and however it is spelled, and written as the official schema
 //! of a version wants it. Masters and robots use the same types. Source: VDA 5050, sections 6 and 7 of each version.
-//! Main types: [`Version`], [`Address`], [`Order`], [`InstantActions`], [`State`], [`Factsheet`]; main functions:
-//! [`read()`], [`write()`]. Refuses: to know what a message means for anybody, and to know MQTT.
+//! Main types: [`Version`], [`Address`], [`Message`] and what it has; main functions: [`read()`], [`write()`]. Refuses:
+//! to know what a message means for anybody, and to know MQTT.
 
 pub mod model;
 pub mod read;
+#[cfg(test)]
+mod tests;
 pub mod topic;
 pub mod version;
 mod vocabulary;

@@ -1,8 +1,8 @@
 //! The messages, without regard to the version in which they travel.
 //!
-//! Lengths are in metres, angles in radians, speeds in metres per second, shares from 0 to 1; positions are in the frame
-//! of the map that they name. Main types: [`Header`], [`Message`] and those of the submodules. Refuses: fields that
-//! neither this master nor this robot has a use for.
+//! Lengths are in metres, angles in radians, speeds in metres per second, shares from 0 to 1; positions are in the
+//! frame of the map that they name. Main types: [`Header`], [`Message`] and those of the submodules. Refuses: fields
+//! that neither this master nor this robot has a use for.
 
 pub mod action;
 pub mod error;

@@ -1,6 +1,6 @@
 //! Reads factsheets.
 //!
-//! Main function: [`factsheet`]. Nothing is assumed: what a sheet does not say, the model does not have. Zeros that
+//! Main function: [`factsheet`]. What a sheet does not say, the model does not have. Zeros that
 //! stand for nothing (a robot without length, a limit of no nodes) are read as not said. Refuses: no sheet.
 
 use super::object::ObjectReader;
@@ -8,7 +8,22 @@ use super::oddity::Unreadable;
 use crate::model::factsheet::{Factsheet, OfferedAction};
 use crate::vocabulary::{WireName, names, words};
 
+/// What every version wants a factsheet to have.
+const REQUIRED: [&WireName; 6] = [
+    &names::TYPE,
+    &names::BODY,
+    &names::LIMITS,
+    &names::FEATURES,
+    &names::GEOMETRY,
+    &names::LOAD_SPECIFICATION,
+];
+
 pub(super) fn factsheet(top: &ObjectReader<'_>) -> Factsheet {
+    for part in REQUIRED {
+        if !top.has(part) {
+            top.assumed(part, "unknown", ());
+        }
+    }
     let kind = top.object(&names::TYPE);
     let body = top.object(&names::BODY);
     let limits = top.object(&names::LIMITS);

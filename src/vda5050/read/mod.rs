@@ -1,8 +1,8 @@
 //! Reads messages of robots and masters, however they are spelled.
 //!
 //! Main function: [`read()`]; main types: [`Read`], [`Oddity`], [`Unreadable`]. Unknown fields are ignored; what is
-//! missing, misspelled or impossible becomes an oddity and the careful value, unless a guess would do harm. A field that
-//! is `null` or has a wrong form is missing. The work grows with the payload's size alone, within [`MOST_BYTES`],
+//! missing, misspelled or impossible becomes an oddity and the careful value, unless a guess would do harm. A field
+//! that is `null` or has a wrong form is missing. The work grows with the payload's size alone, within [`MOST_BYTES`],
 //! [`MOST_PARTS`], [`LONGEST_LIST`], [`LONGEST_TEXT`] and [`MOST_ODDITIES`]. Refuses: to check what a message says
 //! against other messages; zone sets and responses, for which the model has no place yet.
 
@@ -57,6 +57,9 @@ pub struct Read {
 /// # Errors
 /// Why the payload cannot be read: it is too large, no JSON object, or lacks something that cannot be guessed.
 pub fn read(kind: TopicKind, payload: &[u8]) -> Result<Read, Unreadable> {
+    if matches!(kind, TopicKind::ZoneSet | TopicKind::Responses) {
+        return Err(Unreadable::Unsupported { kind });
+    }
     let notes = Notes::new();
     let fields = parse::object(payload, &notes)?;
     let top = ObjectReader::message(&fields, &notes);

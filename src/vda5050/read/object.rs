@@ -5,7 +5,7 @@
 //! Refuses: to know which field is needed.
 
 use super::oddity::{Oddity, Unreadable};
-use super::place::{Notes, Spot, form};
+use super::place::{Notes, PayloadPath, form};
 use super::{GREATEST_NUMBER, LONGEST_LIST, LONGEST_TEXT};
 use crate::vocabulary::{WireName, WireWords, is_alike};
 use serde_json::{Map, Value};
@@ -20,19 +20,24 @@ const LONGEST_QUOTE: usize = 100;
 #[derive(Clone, Copy)]
 pub(super) struct ObjectReader<'r> {
     fields: Option<&'r Map<String, Value>>,
-    spot: Spot<'r>,
+    spot: PayloadPath<'r>,
     notes: &'r Notes,
 }
 
 impl<'r> ObjectReader<'r> {
     /// The object that a message is.
     pub(super) fn message(fields: &'r Map<String, Value>, notes: &'r Notes) -> ObjectReader<'r> {
-        ObjectReader { fields: Some(fields), spot: Spot::Message, notes }
+        ObjectReader { fields: Some(fields), spot: PayloadPath::Message, notes }
     }
 
     /// Whether the message's version has a field: if not, it is not odd that the field is missing.
     pub(super) fn expects(&self, name: &WireName) -> bool {
         name.of(self.notes.version()).is_some()
+    }
+
+    /// Whether a field is there, and not null.
+    pub(super) fn has(&self, name: &WireName) -> bool {
+        self.find(name).is_some()
     }
 
     /// Whether the value of a field is an object.
@@ -163,7 +168,7 @@ impl<'r> ObjectReader<'r> {
         let list = self.field(name);
         let mut texts = Vec::new();
         for (index, value) in self.elements(name).unwrap_or_default().iter().enumerate() {
-            let spot = Spot::Item(&list, index);
+            let spot = PayloadPath::Item(&list, index);
             match value {
                 Value::String(text) => texts.push(self.kept(text, spot)),
                 other => self.wrong_form_at(spot, other, "a text"),
@@ -213,7 +218,7 @@ impl<'r> ObjectReader<'r> {
         let list = self.field(name);
         let mut all = Vec::new();
         for (index, value) in elements.iter().enumerate() {
-            if let Some(element) = self.element(value, Spot::Item(&list, index)) {
+            if let Some(element) = self.element(value, PayloadPath::Item(&list, index)) {
                 all.push(read(&element)?);
             }
         }
@@ -272,8 +277,8 @@ impl<'r> ObjectReader<'r> {
         self.notes.add(|_| Oddity::LeftOut { place: self.spot.to_string(), why });
     }
 
-    fn field(&self, name: &WireName) -> Spot<'_> {
-        Spot::Field(&self.spot, name.shown(self.notes.version()))
+    fn field(&self, name: &WireName) -> PayloadPath<'_> {
+        PayloadPath::Field(&self.spot, name.shown(self.notes.version()))
     }
 
     fn elements(&self, name: &WireName) -> Option<&'r [Value]> {
@@ -284,7 +289,7 @@ impl<'r> ObjectReader<'r> {
         Some(self.cut(elements, self.field(name)))
     }
 
-    fn cut<'e>(&self, elements: &'e [Value], spot: Spot<'_>) -> &'e [Value] {
+    fn cut<'e>(&self, elements: &'e [Value], spot: PayloadPath<'_>) -> &'e [Value] {
         let Some(kept) = elements.get(..LONGEST_LIST).filter(|kept| kept.len() < elements.len()) else {
             return elements;
         };
@@ -292,14 +297,19 @@ impl<'r> ObjectReader<'r> {
         kept
     }
 
-    fn element<'e>(&'e self, value: &'e Value, spot: Spot<'e>) -> Option<ObjectReader<'e>> {
+    fn element<'e>(&'e self, value: &'e Value, spot: PayloadPath<'e>) -> Option<ObjectReader<'e>> {
         if !value.is_object() {
             self.wrong_form_at(spot, value, "an object");
         }
         (!value.is_null()).then_some(ObjectReader { fields: value.as_object(), spot, notes: self.notes })
     }
 
-    fn meaning<T: Copy + PartialEq>(&self, text: &str, spot: Spot<'_>, words: &WireWords<T>) -> Option<T> {
+    fn meaning<T: Copy + PartialEq>(
+        &self,
+        text: &str,
+        spot: PayloadPath<'_>,
+        words: &WireWords<T>,
+    ) -> Option<T> {
         let Some((value, official)) = words.value(text) else {
             self.notes.add(|version| Oddity::UnknownWord {
                 place: spot.to_string(),
@@ -334,7 +344,7 @@ impl<'r> ObjectReader<'r> {
         number
     }
 
-    fn kept(&self, text: &str, spot: Spot<'_>) -> String {
+    fn kept(&self, text: &str, spot: PayloadPath<'_>) -> String {
         let Some((end, _)) = text.char_indices().nth(LONGEST_TEXT) else {
             return text.to_owned();
         };
@@ -343,13 +353,13 @@ impl<'r> ObjectReader<'r> {
     }
 
     /// The parser bounds the depth, and so the recursion.
-    fn within_limits(&self, value: &Value, spot: Spot<'_>) -> Value {
+    fn within_limits(&self, value: &Value, spot: PayloadPath<'_>) -> Value {
         match value {
             Value::String(text) => Value::String(self.kept(text, spot)),
             Value::Array(elements) => {
                 let elements = self.cut(elements, spot).iter().enumerate();
                 elements
-                    .map(|(index, element)| self.within_limits(element, Spot::Item(&spot, index)))
+                    .map(|(index, element)| self.within_limits(element, PayloadPath::Item(&spot, index)))
                     .collect()
             }
             Value::Object(fields) => {
@@ -377,7 +387,7 @@ impl<'r> ObjectReader<'r> {
         None
     }
 
-    fn wrong_form_at(&self, spot: Spot<'_>, value: &Value, wanted: &'static str) {
+    fn wrong_form_at(&self, spot: PayloadPath<'_>, value: &Value, wanted: &'static str) {
         self.notes.add(|_| Oddity::WrongForm { place: spot.to_string(), found: form(value), wanted });
     }
 }

@@ -1,7 +1,7 @@
 //! Reads orders and instant actions.
 //!
-//! Main functions: [`order`], [`instant_actions`]. An order is read as a whole or not at all: a robot must not drive one
-//! of which parts are missing. An instant action that cannot be read is left out, so that it does not stop others.
+//! Main functions: [`order`], [`instant_actions`]. An order is read as a whole or not at all: a robot must not drive
+//! one of which parts are missing. An instant action that cannot be read is left out, so that it does not stop others.
 //! Refuses: orders without ids, numbers or places.
 
 use super::object::ObjectReader;

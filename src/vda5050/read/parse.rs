@@ -1,8 +1,8 @@
 //! From a payload to a JSON object, within limits.
 //!
-//! Main function: [`object`]. Before the parser sees the text, one pass over it counts the objects and lists, so that no
-//! payload takes much memory, and replaces numbers that JSON does not have (`NaN`, `Infinity`, `1e999`) by `null`, which
-//! some robots' libraries write and parsers refuse. Refuses: repairs of any other kind.
+//! Main function: [`object`]. Before the parser sees the text, one pass over it counts the objects and lists, so that
+//! no payload takes much memory, and replaces numbers that JSON does not have (`NaN`, `Infinity`, `1e999`) by `null`:
+//! some robots' libraries write them, and the parser would refuse the message. Refuses: repairs of any other kind.
 
 use super::oddity::{Oddity, Unreadable};
 use super::place::{Notes, form};

@@ -1,6 +1,6 @@
 //! Where in a message something is, and the list of what was odd there.
 //!
-//! Main types: [`Spot`], [`Notes`]. A path is put into words when something is odd, and costs nothing before. Refuses:
+//! Main types: [`PayloadPath`], [`Notes`]. A path is put into words when something is odd, and costs nothing before. Refuses:
 //! more than a stated number of oddities.
 
 use super::MOST_ODDITIES;
@@ -12,22 +12,22 @@ use std::fmt;
 
 /// A place in a message.
 #[derive(Clone, Copy)]
-pub(super) enum Spot<'s> {
+pub(super) enum PayloadPath<'s> {
     /// The message itself.
     Message,
     /// A field of an object.
-    Field(&'s Spot<'s>, &'static str),
+    Field(&'s PayloadPath<'s>, &'static str),
     /// An element of a list.
-    Item(&'s Spot<'s>, usize),
+    Item(&'s PayloadPath<'s>, usize),
 }
 
-impl fmt::Display for Spot<'_> {
+impl fmt::Display for PayloadPath<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Spot::Message => f.write_str("the message"),
-            Spot::Field(Spot::Message, name) => f.write_str(name),
-            Spot::Field(object, name) => write!(f, "{object}.{name}"),
-            Spot::Item(list, index) => write!(f, "{list}[{index}]"),
+            PayloadPath::Message => f.write_str("the message"),
+            PayloadPath::Field(PayloadPath::Message, name) => f.write_str(name),
+            PayloadPath::Field(object, name) => write!(f, "{object}.{name}"),
+            PayloadPath::Item(list, index) => write!(f, "{list}[{index}]"),
         }
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn state(top: &ObjectReader<'_>) -> Result<State, Unreadable> {
         nodes: left(top, &names::NODE_STATES, &names::NODE_ID)?,
         edges: left(top, &names::EDGE_STATES, &names::EDGE_ID)?,
         actions: list_or_empty(top, &names::ACTION_STATES, action_state),
-        instant_actions: top.readable(&names::INSTANT_ACTION_STATES, action_state).unwrap_or_default(),
+        instant_actions: instant_actions(top),
         position: top.part(&names::POSITION, position),
         velocity: top.object(&names::VELOCITY).map(|object| velocity(&object)),
         driving: top.flag_or(&names::DRIVING, false),
@@ -57,6 +57,14 @@ fn list_or_empty<T>(
     read: impl FnMut(&ObjectReader<'_>) -> Result<T, Unreadable>,
 ) -> Vec<T> {
     top.readable(name, read).unwrap_or_else(|| top.assumed(name, "empty", Vec::new()))
+}
+
+/// Versions that have no list for instant actions have them among those of the order.
+fn instant_actions(top: &ObjectReader<'_>) -> Vec<ActionState> {
+    if !top.expects(&names::INSTANT_ACTION_STATES) {
+        return top.readable(&names::INSTANT_ACTION_STATES, action_state).unwrap_or_default();
+    }
+    list_or_empty(top, &names::INSTANT_ACTION_STATES, action_state)
 }
 
 /// Nodes or edges that are left. One of which is not said whether it is released may be driven to.
