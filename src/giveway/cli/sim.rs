@@ -93,6 +93,10 @@ impl Setup {
                 let warehouse = take_map(&mut site, path, map, robots)?;
                 site.check_method(&warehouse, "method")
                     .with_context(|| format!("{} is refused", path.display()))?;
+                if let Some(mqtt) = &mut site.links.mqtt {
+                    let files = mqtt.ca.iter_mut().chain(mqtt.identity.iter_mut().flatten());
+                    files.for_each(|file| *file = beside(path, file).display().to_string());
+                }
                 let scenario = Scenario::from(site);
                 Ok(Setup { scenario, warehouse, lines: Vec::new(), text, is_site: true })
             }

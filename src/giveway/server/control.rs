@@ -323,7 +323,7 @@ mod tests {
         let start = journal::Start { next: 1, ledger: fleet.ledger().clone(), behind: 0 };
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
-        let links = Links::new(source.begin(map, fleet.ledger(), clock.now()));
+        let links = Links::new(source.begin(map, fleet.ledger(), clock.now()), None);
         let ((feeds, heard), (queue, asks)) = (Feeds::new(), mpsc::channel(8));
         let (measure, feeds) = (Measure::default(), Arc::new(feeds));
         let (inbox, moments) = (inbox::Inbox::new(asks, heard), watch::Sender::new(Arc::default()));

@@ -178,7 +178,7 @@ mod tests {
         let (map, source) = (Arc::new(lab()), FloorSource::parse(SCENARIO).unwrap());
         let mut drive = Drive::new(Fleet::new(map.clone(), source.site().settings()));
         let floor = source.begin(map, drive.fleet().ledger(), Time(1));
-        Links::new(floor).hear(Time(2), &mut drive)
+        Links::new(floor, None).hear(Time(2), &mut drive)
     }
 
     #[test]

@@ -5,7 +5,7 @@
 
 use super::basis::{FloorBasis, not_for};
 use super::clock::{self, Clock};
-use super::links::{FloorSource, Links};
+use super::links::{FloorSource, Links, MqttRobots, connect};
 use super::recordings::KeptPast;
 use super::{Config, Planted, ServedFloor, StartSummary, historian, journal};
 use anyhow::Context;
@@ -220,11 +220,15 @@ pub async fn build(
     let figures =
         SharedHistory::new(clock.started(), settings.policy.word(), History::restore(buckets, heat));
     let (now, floor, period) = (clock.now(), map.clone(), source.site().period);
+    let broker = source.site().links.mqtt.clone();
+    let line = broker.as_ref().map(|link| connect(link, &source.site().name)).transpose()?;
     let fold = move || {
         let (ledger, facts) = loaded.into_parts();
         let fleet = Fleet::resume(ledger, settings, facts);
         check_kinds(&fleet)?;
-        let links = Links::new(source.begin(floor, fleet.ledger(), now));
+        let building = fleet.warehouse().clone();
+        let robots = broker.zip(line).map(|(link, line)| MqttRobots::new(link, building, line, now));
+        let links = Links::new(source.begin(floor, fleet.ledger(), now), robots);
         anyhow::Ok((fleet, links))
     };
     let (fleet, links) = match tokio::task::spawn_blocking(fold).await {

@@ -33,7 +33,8 @@ impl RobotSession {
     /// Lets a robot charge where it can and has nothing to do. Gives whether an order has to wait for it.
     pub(super) fn mind_charge(&mut self, now: Time) -> bool {
         let Some((_, state)) = &self.state else { return false };
-        let (has_current, is_full) = (state.power.charging, state.power.charge >= FULL);
+        let (has_current, is_full) =
+            (state.power.charging, state.power.charge.is_none_or(|charge| charge >= FULL));
         let rests = self.rests_on_charger();
         match self.charge.clone() {
             ChargeLife::Off if has_current => self.charge = ChargeLife::Charges,

@@ -6,6 +6,7 @@
 use super::pause::{START_PAUSE, STOP_PAUSE};
 use super::session::{Asked, RobotSession};
 use giveway_floor::geometry::to_mm;
+use giveway_floor::id::NodeId;
 use giveway_floor::time::{Span, Time};
 use giveway_vda5050::{ActionStatus, ConnectionState, OperatingMode};
 use std::fmt;
@@ -129,6 +130,14 @@ impl RobotSession {
         let joined = self.progress.is_some();
         let off = if joined { None } else { self.off_node_mm() };
         off.map(NotReady::OnNoNode)
+    }
+
+    /// The node on which the robot is, if it is on one.
+    pub fn node(&self) -> Option<NodeId> {
+        let at = self.motion.pose()?.at;
+        let near = self.map.nodes_within(at, ON_NODE_M).into_iter();
+        let far = |node: &NodeId| (self.map.nodes[*node].at - at).norm();
+        near.min_by(|a, b| far(a).total_cmp(&far(b)))
     }
 
     /// How far the robot is from the nearest node, if it is on none.

@@ -139,7 +139,9 @@ impl RobotSession {
             progress.known = progress.reached;
             return;
         }
-        if !has_it {
+        // A robot that has just taken an order may still say the number that it had in the one before.
+        let is_stale = state.nodes.iter().any(|node| node.sequence < state.last_sequence);
+        if !has_it || is_stale {
             return;
         }
         let serial = leg.serial(state.last_sequence);

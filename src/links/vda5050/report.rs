@@ -37,7 +37,8 @@ impl RobotSession {
             known: progress.known,
             acted: progress.acted,
             rack: progress.rack,
-            battery: state.power.charge,
+            // A robot that does not say its charge looks after it itself.
+            battery: state.power.charge.unwrap_or(1.0),
             fault: self.fault(),
             limit_mps,
             recalls: progress.recalls,

@@ -234,6 +234,12 @@ impl RobotSession {
         self.go_on(now)
     }
 
+    /// The line to the broker is back: what was sent while it was down never left, and nobody knows what was heard.
+    pub fn line_is_back(&mut self, now: Time) -> SessionOutput {
+        self.request_state(now);
+        self.go_on(now)
+    }
+
     /// Time passes: what was not answered is asked again, and silence is noticed.
     pub fn tick(&mut self, now: Time) -> SessionOutput {
         self.go_on(now)

@@ -5,9 +5,12 @@
 //! plays a recording. A floor without a link has no robots. Refuses: to decide, and to keep output that a link did not
 //! take.
 
+mod mqtt;
 pub mod recording;
 mod sim;
 pub mod trial;
+
+pub use mqtt::{MqttRobots, connect};
 
 pub use sim::{FloorSource, SimulatedFloor};
 
@@ -20,23 +23,31 @@ use giveway_floor::time::Time;
 pub struct Links {
     /// Simulated robots, people and customers.
     sim: Option<SimulatedFloor>,
+    /// Robots that speak VDA 5050.
+    mqtt: Option<MqttRobots>,
 }
 
 impl Links {
     /// The links of a floor; simulated, if this process simulates it.
-    pub fn new(sim: Option<SimulatedFloor>) -> Links {
-        Links { sim }
+    pub fn new(sim: Option<SimulatedFloor>, mqtt: Option<MqttRobots>) -> Links {
+        Links { sim, mqtt }
     }
 
     /// Everything that was heard since the last call.
     pub fn hear(&mut self, now: Time, drive: &mut Drive) -> Vec<Input> {
-        self.sim.as_mut().map(|sim| sim.hear(now, drive)).unwrap_or_default()
+        let mut heard = self.sim.as_mut().map(|sim| sim.hear(now, drive)).unwrap_or_default();
+        heard.extend(self.mqtt.iter_mut().flat_map(|mqtt| mqtt.hear(now, drive.fleet().ledger())));
+        heard
     }
 
     /// Passes output on to the links.
     pub fn take<'a>(&mut self, now: Time, out: impl Into<LinkOutput<'a>>) {
+        let out = out.into();
         if let Some(sim) = &mut self.sim {
-            sim.take(now, out.into());
+            sim.take(now, out);
+        }
+        if let Some(mqtt) = &mut self.mqtt {
+            mqtt.take(now, out);
         }
     }
 

@@ -1,0 +1,436 @@
+//! Robots that speak VDA 5050: their sessions on one side, the line to the broker on the other.
+//!
+//! Main type: [`MqttRobots`]. Robots that the site lists join once they have shown that they obey; others that the broker
+//! knows are remembered, never driven. Refuses: to believe a message that names another robot than its topic.
+
+use crate::mqtt::{LineEvent, LineMessage, LineSetup, MqttLine, broker_of, is_loopback, tls_of};
+use anyhow::Context;
+use giveway_drive::LinkOutput;
+use giveway_fleet::{Asker, Input, Ledger, Reply, RobotAction, Token};
+use giveway_floor::id::{Dense, NodeId, RobotId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
+use giveway_links::vda5050::{NotReady, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, Told};
+use giveway_site::{InstantKey, ListedRobot, MQTT_LINK, MqttLink};
+use giveway_vda5050::{Address, Header, Message, TopicKind, Version, read, write};
+use std::collections::{BTreeMap, VecDeque};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::mpsc;
+
+/// Messages taken in one turn; the rest waits for the next.
+const AT_ONCE: usize = 2_000;
+/// Messages kept of each robot, both ways.
+const KEPT: usize = 200;
+/// Robots remembered that the site does not list.
+const MOST_UNLISTED: usize = 1_000;
+/// A robot asks to join again after this, if it was not taken.
+const JOINS_AGAIN: Span = Span::from_secs(5);
+/// The token of robots that ask to join.
+const JOINS: Token = Token { asker: Asker(7), number: 0 };
+/// Events of the line that wait for the next turn.
+const EVENTS: usize = 10_000;
+/// The variable of the environment with the password for the broker.
+const PASSWORD: &str = "GIVEWAY_MQTT_PASSWORD";
+/// What robots say.
+const ALL_KINDS: [TopicKind; 4] =
+    [TopicKind::State, TopicKind::Connection, TopicKind::Factsheet, TopicKind::Visualization];
+
+/// A message as it was said or heard.
+#[derive(Clone, Debug)]
+pub struct Exchanged {
+    /// When.
+    pub at: Time,
+    /// Its topic.
+    pub kind: TopicKind,
+    /// Its text.
+    pub text: String,
+    /// What was odd about it.
+    pub odd: Vec<String>,
+}
+
+/// A listed robot.
+struct RobotHere {
+    listed: ListedRobot,
+    session: RobotSession,
+    /// Its number, once it has joined.
+    number: Option<RobotId>,
+    /// The number of the next message of each kind.
+    next: BTreeMap<TopicKind, u32>,
+    asked_to_join: Option<Time>,
+    exchanged: VecDeque<Exchanged>,
+    noticed: VecDeque<(Time, Notice)>,
+}
+
+/// The line to the broker.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LineState {
+    /// It was not up yet.
+    Begins,
+    /// It is up.
+    Up,
+    /// It is down since this time, for this reason.
+    Down(Time, String),
+    /// Another server has taken the robots over: this one sends nothing any more.
+    Displaced(Time),
+}
+
+/// The robots of a broker.
+pub struct MqttRobots {
+    link: MqttLink,
+    map: Arc<Warehouse>,
+    /// A number that is greater in each process.
+    boot: u64,
+    line: MqttLine,
+    events: mpsc::Receiver<LineEvent>,
+    state: LineState,
+    robots: BTreeMap<Address, RobotHere>,
+    numbers: BTreeMap<RobotId, Address>,
+    unlisted: BTreeMap<Address, Time>,
+    inputs: Vec<Input>,
+}
+
+/// Begins to connect to the broker of a site.
+///
+/// # Errors
+/// What is missing or cannot be read.
+pub fn connect(link: &MqttLink, floor: &str) -> anyhow::Result<(MqttLine, mpsc::Receiver<LineEvent>)> {
+    let (broker, with_tls) = broker_of(&link.url).context("the broker's `url` is refused")?;
+    let identity = link.identity.as_ref().map(|[certificate, key]| [certificate, key].map(Path::new));
+    let tls = match with_tls {
+        true => Some(tls_of(link.ca.as_deref().map(Path::new), identity)?),
+        false => None,
+    };
+    let password = std::env::var(PASSWORD).ok();
+    let login = link.user.clone().map(|user| (user, password.unwrap_or_default()));
+    if !is_loopback(&broker.0) && login.is_none() && link.identity.is_none() {
+        anyhow::bail!(
+            "the broker at {} is not on this machine: it needs `user` and the environment's {PASSWORD}, or `cert` and \
+             `key`. Whoever may write to a broker moves its robots",
+            broker.0
+        );
+    }
+    let setup = LineSetup {
+        client: format!("giveway-{}", floor.replace(' ', "-")),
+        broker,
+        tls,
+        login,
+        version: link.mqtt,
+        topics: MqttRobots::topics(&link.interface),
+        will: None,
+    };
+    let (events, heard) = mpsc::channel(EVENTS);
+    Ok((MqttLine::begin(setup, events), heard))
+}
+
+impl MqttRobots {
+    /// The robots of a site, behind a line that has begun.
+    pub fn new(
+        link: MqttLink,
+        map: Arc<Warehouse>,
+        (line, events): (MqttLine, mpsc::Receiver<LineEvent>),
+        now: Time,
+    ) -> MqttRobots {
+        let boot = now.0.unsigned_abs() / 1_000_000;
+        let mut all = MqttRobots {
+            robots: BTreeMap::new(),
+            numbers: BTreeMap::new(),
+            unlisted: BTreeMap::new(),
+            state: LineState::Begins,
+            inputs: Vec::new(),
+            link,
+            map,
+            boot,
+            line,
+            events,
+        };
+        for listed in all.link.robots.clone() {
+            let version = listed.version.unwrap_or(Version::V2_0);
+            let robot = all.begin_session(listed, version);
+            all.robots.insert(robot.listed.address.clone(), robot);
+        }
+        all
+    }
+
+    /// The state of the line to the broker.
+    pub fn line(&self) -> &LineState {
+        &self.state
+    }
+
+    /// The topics to listen to.
+    pub fn topics(interface: &str) -> Vec<String> {
+        ALL_KINDS.iter().map(|kind| format!("{interface}/+/+/+/{}", kind.level())).collect()
+    }
+
+    /// Listed robots that have not joined, with the reason.
+    pub fn waiting(&self, now: Time) -> impl Iterator<Item = (&ListedRobot, Option<NotReady>)> {
+        let waiting = self.robots.values().filter(|robot| robot.number.is_none());
+        waiting.map(move |robot| (&robot.listed, robot.session.not_ready(now)))
+    }
+
+    /// Robots that the broker knows and the site does not list, and when they were heard last.
+    pub fn unlisted(&self) -> impl Iterator<Item = (&Address, Time)> {
+        self.unlisted.iter().map(|(address, at)| (address, *at))
+    }
+
+    /// The last messages of a robot, both ways, and what was noticed of it.
+    pub fn exchanged(&self, robot: RobotId) -> Option<(&VecDeque<Exchanged>, &VecDeque<(Time, Notice)>)> {
+        let here = self.robots.get(self.numbers.get(&robot)?)?;
+        Some((&here.exchanged, &here.noticed))
+    }
+
+    /// Everything that was heard since the last call.
+    pub fn hear(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
+        self.join(now, ledger);
+        for _ in 0..AT_ONCE {
+            let Ok(event) = self.events.try_recv() else { break };
+            self.take_event(now, event);
+        }
+        let addresses: Vec<Address> = self.robots.keys().cloned().collect();
+        for address in addresses {
+            self.with(now, &address, |session| session.tick(now));
+            self.ask_to_join(now, &address, ledger);
+        }
+        std::mem::take(&mut self.inputs)
+    }
+
+    /// Passes commands of the fleet on to the robots.
+    pub fn take(&mut self, now: Time, out: LinkOutput<'_>) {
+        for reply in out.replies {
+            if let Reply { token: JOINS, answer: Err(why) } = reply {
+                tracing::warn!(?why, "a robot cannot join");
+            }
+        }
+        for (robot, command) in out.limits.iter().chain(out.orders) {
+            if let Some(address) = self.numbers.get(robot).cloned() {
+                self.with(now, &address, |session| session.command(now, command));
+            }
+        }
+    }
+
+    fn take_event(&mut self, now: Time, event: LineEvent) {
+        match event {
+            LineEvent::Up => {
+                self.state = LineState::Up;
+                tracing::info!("the broker is there");
+                let addresses: Vec<Address> = self.robots.keys().cloned().collect();
+                for address in addresses {
+                    self.with(now, &address, |session| session.line_is_back(now));
+                }
+            }
+            LineEvent::Down(why) => {
+                if !matches!(self.state, LineState::Down(..)) {
+                    tracing::warn!(
+                        why,
+                        "the broker is gone; robots drive to the end of what they were released"
+                    );
+                    self.state = LineState::Down(now, why);
+                }
+            }
+            LineEvent::Displaced => {
+                tracing::error!("another server has taken the robots over: this one sends nothing any more");
+                self.state = LineState::Displaced(now);
+            }
+            LineEvent::Heard { topic, payload, retained } => {
+                self.take_message(now, &topic, &payload, retained)
+            }
+        }
+    }
+
+    fn take_message(&mut self, now: Time, topic: &str, payload: &[u8], retained: bool) {
+        let Some((address, level, kind)) = Address::of_topic(topic, &self.link.interface) else { return };
+        if !self.robots.contains_key(&address) {
+            if !retained || self.unlisted.len() < MOST_UNLISTED {
+                self.unlisted.insert(address, now);
+            }
+            while self.unlisted.len() > MOST_UNLISTED {
+                self.unlisted.pop_first();
+            }
+            return;
+        }
+        let text = String::from_utf8_lossy(&payload[..payload.len().min(20_000)]).into_owned();
+        let said = match read(kind, payload) {
+            Ok(said) => said,
+            Err(why) => {
+                return self.keep(&address, Exchanged { at: now, kind, text, odd: vec![why.to_string()] });
+            }
+        };
+        let odd = said.oddities.iter().map(ToString::to_string).collect();
+        self.keep(&address, Exchanged { at: now, kind, text, odd });
+        let heard = self.meaning(&address, level, said.header, said.message);
+        if let Some(heard) = heard {
+            self.with(now, &address, |session| session.hear(now, heard));
+        }
+    }
+
+    /// What a message says to a robot's session. The first one tells the version that the robot speaks.
+    fn meaning(
+        &mut self,
+        address: &Address,
+        level: &str,
+        header: Header,
+        message: Message,
+    ) -> Option<RobotHeard> {
+        let named = [&header.manufacturer, &header.serial];
+        if named != [address.manufacturer(), address.serial()] {
+            return Some(RobotHeard::OtherName(format!("{}/{}", header.manufacturer, header.serial)));
+        }
+        let Some(version) = Version::of_text(&header.version).filter(|v| v.topic_level() == level) else {
+            return Some(RobotHeard::OtherVersion(header.version));
+        };
+        let robot = self.robots.get(address)?;
+        if robot.listed.version.is_some_and(|wanted| wanted != version) {
+            return Some(RobotHeard::OtherVersion(header.version));
+        }
+        if robot.session.version() != version && robot.number.is_none() {
+            let before = self.robots.remove(address)?;
+            let exchanged = before.exchanged;
+            let robot = RobotHere { exchanged, ..self.begin_session(before.listed, version) };
+            self.robots.insert(address.clone(), robot);
+        }
+        match message {
+            Message::State(state) => Some(RobotHeard::State(state)),
+            Message::Connection(connection) => Some(RobotHeard::Connection(connection)),
+            Message::Visualization(seen) => Some(RobotHeard::Visualization(seen)),
+            Message::Factsheet(factsheet) => Some(RobotHeard::Factsheet(factsheet)),
+            Message::Order(_) | Message::InstantActions(_) => None,
+        }
+    }
+
+    fn begin_session(&self, listed: ListedRobot, version: Version) -> RobotHere {
+        let form = self.link.kinds.get(&listed.kind).cloned().unwrap_or_default();
+        let session = RobotSession::new(version, form, self.map.clone(), self.boot);
+        let (next, exchanged, noticed) = Default::default();
+        RobotHere { listed, session, number: None, next, asked_to_join: None, exchanged, noticed }
+    }
+
+    /// Takes robots that the ledger has, by their names, for those that have joined.
+    fn join(&mut self, now: Time, ledger: &Ledger) {
+        if self.numbers.len() == self.robots.len() {
+            return;
+        }
+        let names: BTreeMap<&str, RobotId> = (ledger.robots.pairs())
+            .filter(|(_, record)| record.link == MQTT_LINK && !record.is_gone())
+            .map(|(robot, record)| (record.name.as_str(), robot))
+            .collect();
+        let joined: Vec<(Address, RobotId)> = (self.robots.values())
+            .filter(|here| here.number.is_none())
+            .filter_map(|here| Some((here.listed.address.clone(), *names.get(here.listed.name.as_str())?)))
+            .collect();
+        for (address, robot) in joined {
+            let chain = ledger.chain(robot);
+            let start = SessionStart {
+                robot,
+                at: chain.first(),
+                granted: chain.granted() - 1,
+                recalls: ledger.robots[robot].recalls,
+                rack: ledger.rack_on(robot),
+            };
+            self.numbers.insert(robot, address.clone());
+            if let Some(here) = self.robots.get_mut(&address) {
+                here.number = Some(robot);
+            }
+            self.with(now, &address, |session| session.join(now, start));
+        }
+    }
+
+    /// A robot that is ready and has not joined asks to.
+    fn ask_to_join(&mut self, now: Time, address: &Address, ledger: &Ledger) {
+        let Some(here) = self.robots.get_mut(address) else { return };
+        let waits = here.asked_to_join.is_some_and(|asked| now - asked < JOINS_AGAIN);
+        if here.number.is_some() || waits || here.session.not_ready(now).is_some() {
+            return;
+        }
+        let Some(node) = here.session.node() else { return };
+        here.asked_to_join = Some(now);
+        if is_kept(ledger, node) {
+            return;
+        }
+        let ListedRobot { name, kind, .. } = here.listed.clone();
+        let joins = RobotAction::Register { name, kind, node, link: Some(MQTT_LINK.to_owned()) };
+        self.inputs.push(Input::ask(JOINS, joins));
+    }
+
+    /// Lets a session do something, and sends what comes of it.
+    fn with(&mut self, now: Time, address: &Address, act: impl FnOnce(&mut RobotSession) -> SessionOutput) {
+        let Some(here) = self.robots.get_mut(address) else { return };
+        let SessionOutput { told, reports, link, noticed } = act(&mut here.session);
+        self.inputs.extend(reports.into_iter().map(Input::Telemetry));
+        if let (Some(state), Some(robot)) = (link, here.number) {
+            self.inputs.push(Input::Link(robot, state));
+        }
+        for notice in noticed {
+            tracing::warn!(robot = here.listed.name, "{notice}");
+            here.noticed.push_back((now, notice));
+            if here.noticed.len() > KEPT {
+                here.noticed.pop_front();
+            }
+        }
+        for told in told {
+            self.send(now, address, told);
+        }
+    }
+
+    fn send(&mut self, now: Time, address: &Address, told: Told) {
+        let Some(here) = self.robots.get_mut(address) else { return };
+        let version = here.session.version();
+        let next = here.next.entry(told.kind).or_default();
+        let header = Header {
+            id: *next,
+            timestamp: timestamp(now),
+            version: version.text().to_owned(),
+            manufacturer: address.manufacturer().to_owned(),
+            serial: address.serial().to_owned(),
+        };
+        *next = next.wrapping_add(1);
+        let mut text = write(&header, &told.message, version);
+        if told.kind == TopicKind::InstantActions {
+            let form = self.link.kinds.get(&here.listed.kind);
+            name_actions(&mut text, form.map_or(InstantKey::Both, |form| form.instant_key));
+        }
+        let text = text.to_string();
+        let message = LineMessage {
+            topic: address.topic(&self.link.interface, version, told.kind),
+            payload: text.clone().into_bytes(),
+            confirmed: self.link.qos > 0,
+            retained: false,
+            expires: Some(Duration::from_micros(told.expires.0.unsigned_abs())),
+        };
+        let odd =
+            if self.line.send(message) { Vec::new() } else { vec!["not sent: the line is down".into()] };
+        self.keep(address, Exchanged { at: now, kind: told.kind, text, odd });
+    }
+
+    fn keep(&mut self, address: &Address, exchanged: Exchanged) {
+        if let Some(here) = self.robots.get_mut(address) {
+            here.exchanged.push_back(exchanged);
+            while here.exchanged.len() > KEPT {
+                here.exchanged.pop_front();
+            }
+        }
+    }
+}
+
+/// Gives instant actions the key that a kind reads. All texts but the first have `actions`.
+fn name_actions(text: &mut serde_json::Value, key: InstantKey) {
+    let Some(fields) = text.as_object_mut() else { return };
+    let Some(actions) = fields.get("actions").cloned() else { return };
+    if key != InstantKey::Actions {
+        fields.insert("instantActions".to_owned(), actions);
+    }
+    if key == InstantKey::InstantActions {
+        fields.remove("actions");
+    }
+}
+
+/// Whether a node is promised to a robot.
+fn is_kept(ledger: &Ledger, node: NodeId) -> bool {
+    ledger.present().any(|robot| ledger.chain(robot).visits().any(|visit| visit.node == node))
+}
+
+/// A time as messages have it: ISO 8601 in UTC, with milliseconds.
+fn timestamp(now: Time) -> String {
+    let at = jiff::Timestamp::from_microsecond(now.0).unwrap_or(jiff::Timestamp::UNIX_EPOCH);
+    format!("{at:.3}")
+}
