@@ -109,6 +109,9 @@ fn of_many(kind: AlarmKind, (count, all): (usize, usize), names: SentenceArg, wa
         | K::LoopStuck
         | K::Broken
         | K::LedgerUnsound
+        | K::BrokerGone
+        | K::RobotsTakenOver
+        | K::RobotClaims
         | K::PastNotKept
         | K::WebhookFailing
         | K::SecretsGuessed

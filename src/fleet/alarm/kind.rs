@@ -167,6 +167,12 @@ kinds! {
     Broken: "broken", Critical, Server, 0, 0, do_restart_and_restore;
     /// What was promised contradicts itself.
     LedgerUnsound: "ledger", Critical, Server, 0, 0, do_restart_and_restore;
+    /// The broker of robots is gone.
+    BrokerGone: "broker", Critical, Server, 0, 0, do_restart_clients;
+    /// Another server has taken the robots behind the broker over.
+    RobotsTakenOver: "taken_over", Critical, Server, 0, 0, do_end_other_server;
+    /// Robots claim what is not so.
+    RobotClaims: "robot_claims", Warning, Server, 0, 0, do_ask_vendor;
     /// The past is not recorded.
     PastNotKept: "past", Warning, Server, 0, 0, do_make_room_on_disk;
     /// A webhook has taken no events for a while.

@@ -118,8 +118,12 @@ async fn serve(config: &Config, floor: ServedFloor) -> anyhow::Result<()> {
         }
     }
     match found.robots {
-        0 => say!("map      {}, no robots: the site has no link to any", found.map),
+        0 if found.listed == 0 => say!("map      {}, no robots: the site has no link to any", found.map),
+        0 => say!("map      {}", found.map),
         robots => say!("map      {}, {robots} robots (simulated)", found.map),
+    }
+    if let Some(broker) = &found.broker {
+        say!("broker   {broker}, {} robots are listed", found.listed);
     }
     if let Some(map) = &found.published {
         let at = jiff::Timestamp::from_microsecond(map.at.0)?;

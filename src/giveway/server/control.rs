@@ -215,7 +215,7 @@ impl ControlLoop {
             self.metrics.pose_to_robot_stop.observe(took.as_secs_f64());
         }
         self.feeds.know(&self.drive.fleet().ledger().workers);
-        for alarm in alarms {
+        for alarm in alarms.into_iter().chain(self.links.take_alarms()) {
             match alarm {
                 DriveAlarm::Raise(kind, text) => _ = self.alarms.raise(kind, text, self.clock.now()),
                 DriveAlarm::Clear(kind) => _ = self.alarms.clear(kind, self.clock.now()),

@@ -118,6 +118,10 @@ pub struct StartSummary {
     pub published: Option<PublishedMap>,
     /// How many robots the scenario has.
     pub robots: usize,
+    /// The broker of the site's robots, if there is one.
+    pub broker: Option<String>,
+    /// How many robots behind the broker are listed.
+    pub listed: usize,
     /// How many facts since the last snapshot were restored.
     pub facts: usize,
     /// How many jobs were accepted so far.

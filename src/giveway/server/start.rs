@@ -213,7 +213,18 @@ pub async fn build(
     let (robots, idle) = (source.robots(), source.idle(&map));
     let (next, facts) = (loaded.next, loaded.facts());
     let (published, map_name) = (basis.published.clone(), map.name.clone());
-    let summary = StartSummary { map: map_name, published, robots, facts, idle, ..StartSummary::default() };
+    let mqtt = source.site().links.mqtt.as_ref();
+    let (broker, listed) = (mqtt.map(|m| m.url.clone()), mqtt.map_or(0, |m| m.robots.len()));
+    let summary = StartSummary {
+        map: map_name,
+        published,
+        robots,
+        broker,
+        listed,
+        facts,
+        idle,
+        ..StartSummary::default()
+    };
     let clock = Arc::new(Clock::start(loaded.last).at_speed(source.speed));
     let settings = Settings { stopwatch: clock::stopwatch, ..source.site().settings() };
     let (buckets, heat) = store.load_history().await?;

@@ -110,6 +110,11 @@ sentences! {
     webhooks_fail(webhooks) = "webhooks take no events: {webhooks}.";
     wrong_secrets(addresses) = "wrong tokens or cookies come from {addresses}.";
     address_guesses(address, times) = "{address} (at least {times} times)";
+    broker_gone(reason) =
+        "the broker of the robots is gone ({reason}): they drive to the end of what they were released and stand.";
+    robots_taken_over() = "another server has taken the robots over: this one sends them nothing any more.";
+    robot_claims(robots) = "robots say what is not so: {robots}.";
+    robot_claim(robot, claim) = "{robot} {claim}";
     past_not_kept(reason) = "the past is not kept: {reason}. The fleet goes on; make room on the disk.";
     past_not_begun(reason) = "the past is not kept: {reason}. The fleet goes on.";
     fleet_contradicts_itself(panic, reason) =

@@ -51,6 +51,14 @@ sentences! {
     do_find_guesser() =
         "Find out who sends them: a device with an old token, or somebody who guesses. The audit has the \
          addresses.";
+    do_restart_clients() =
+        "Bring the broker back. Most robots do not find it again by themselves: restart the clients of those that stay \
+         silent.";
+    do_end_other_server() =
+        "Find the other server that uses these robots, end one of the two, and restart the one that is to go on.";
+    do_ask_vendor() =
+        "Look at the robot and at its messages; ask its vendor why it says what is not so. Until then keep people away \
+         from where it works.";
     do_make_room_on_disk() = "Make room on the disk of the recordings.";
     do_seek_or_close() = "Seek in the recording, or close it.";
     do_resume_fleet() = "Resume the fleet when it may go on.";

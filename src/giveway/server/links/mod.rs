@@ -14,7 +14,7 @@ pub use mqtt::{MqttRobots, connect};
 
 pub use sim::{FloorSource, SimulatedFloor};
 
-use giveway_drive::{Drive, LinkOutput};
+use giveway_drive::{Drive, DriveAlarm, LinkOutput};
 use giveway_fleet::Input;
 use giveway_floor::time::Time;
 
@@ -38,6 +38,11 @@ impl Links {
         let mut heard = self.sim.as_mut().map(|sim| sim.hear(now, drive)).unwrap_or_default();
         heard.extend(self.mqtt.iter_mut().flat_map(|mqtt| mqtt.hear(now, drive.fleet().ledger())));
         heard
+    }
+
+    /// Alarms of links that began or ended since the last call.
+    pub fn take_alarms(&mut self) -> Vec<DriveAlarm> {
+        self.mqtt.as_mut().map(MqttRobots::take_alarms).unwrap_or_default()
     }
 
     /// Passes output on to the links.

@@ -5,9 +5,12 @@
 
 use crate::mqtt::{LineEvent, LineMessage, LineSetup, MqttLine, broker_of, is_loopback, tls_of};
 use anyhow::Context;
-use giveway_drive::LinkOutput;
+use giveway_drive::{DriveAlarm, LinkOutput};
+use giveway_fleet::alarm::AlarmKind;
 use giveway_fleet::{Asker, Input, Ledger, Reply, RobotAction, Token};
 use giveway_floor::id::{Dense, NodeId, RobotId};
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_links::vda5050::{NotReady, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, Told};
@@ -29,6 +32,10 @@ const MOST_UNLISTED: usize = 1_000;
 const JOINS_AGAIN: Span = Span::from_secs(5);
 /// The token of robots that ask to join.
 const JOINS: Token = Token { asker: Asker(7), number: 0 };
+/// A broker that is not there this long after the start is gone.
+const BEGINS: Span = Span::from_secs(2);
+/// A claim is remembered in an alarm for this long.
+const CLAIMS: Span = Span::from_secs(600);
 /// Events of the line that wait for the next turn.
 const EVENTS: usize = 10_000;
 /// The variable of the environment with the password for the broker.
@@ -89,6 +96,10 @@ pub struct MqttRobots {
     numbers: BTreeMap<RobotId, Address>,
     unlisted: BTreeMap<Address, Time>,
     inputs: Vec<Input>,
+    alarms: Vec<DriveAlarm>,
+    /// Whether an alarm about claims is raised, and when one was noticed last.
+    claimed: Option<Time>,
+    begun: Time,
 }
 
 /// Begins to connect to the broker of a site.
@@ -139,6 +150,9 @@ impl MqttRobots {
             unlisted: BTreeMap::new(),
             state: LineState::Begins,
             inputs: Vec::new(),
+            alarms: Vec::new(),
+            claimed: None,
+            begun: now,
             link,
             map,
             boot,
@@ -192,7 +206,16 @@ impl MqttRobots {
             self.with(now, &address, |session| session.tick(now));
             self.ask_to_join(now, &address, ledger);
         }
+        self.mind_claims(now);
+        if self.state == LineState::Begins && now - self.begun >= BEGINS {
+            self.note_down(now, "it was not there yet".to_owned());
+        }
         std::mem::take(&mut self.inputs)
+    }
+
+    /// Alarms that began or ended since the last call.
+    pub fn take_alarms(&mut self) -> Vec<DriveAlarm> {
+        std::mem::take(&mut self.alarms)
     }
 
     /// Passes commands of the fleet on to the robots.
@@ -213,29 +236,51 @@ impl MqttRobots {
         match event {
             LineEvent::Up => {
                 self.state = LineState::Up;
+                self.alarms.push(DriveAlarm::Clear(AlarmKind::BrokerGone));
                 tracing::info!("the broker is there");
                 let addresses: Vec<Address> = self.robots.keys().cloned().collect();
                 for address in addresses {
                     self.with(now, &address, |session| session.line_is_back(now));
                 }
             }
-            LineEvent::Down(why) => {
-                if !matches!(self.state, LineState::Down(..)) {
-                    tracing::warn!(
-                        why,
-                        "the broker is gone; robots drive to the end of what they were released"
-                    );
-                    self.state = LineState::Down(now, why);
-                }
-            }
+            LineEvent::Down(why) => self.note_down(now, why),
             LineEvent::Displaced => {
                 tracing::error!("another server has taken the robots over: this one sends nothing any more");
                 self.state = LineState::Displaced(now);
+                self.alarms.push(DriveAlarm::Raise(AlarmKind::RobotsTakenOver, alarms::robots_taken_over()));
             }
             LineEvent::Heard { topic, payload, retained } => {
                 self.take_message(now, &topic, &payload, retained)
             }
         }
+    }
+
+    fn note_down(&mut self, now: Time, why: String) {
+        if matches!(self.state, LineState::Down(..)) {
+            return;
+        }
+        tracing::warn!(why, "the broker is gone; robots drive to the end of what they were released");
+        self.alarms.push(DriveAlarm::Raise(AlarmKind::BrokerGone, alarms::broker_gone(&why)));
+        self.state = LineState::Down(now, why);
+    }
+
+    /// The alarm about claims ends some time after the last one.
+    fn mind_claims(&mut self, now: Time) {
+        if self.claimed.is_some_and(|last| now - last >= CLAIMS) {
+            self.claimed = None;
+            self.alarms.push(DriveAlarm::Clear(AlarmKind::RobotClaims));
+        }
+    }
+
+    /// Raises the alarm about claims, with the last one of each robot.
+    fn alarm_of_claims(&mut self, now: Time) {
+        self.claimed = Some(now);
+        let last = |here: &RobotHere| {
+            let (at, notice) = here.noticed.iter().rev().find(|(_, notice)| notice.is_lie())?;
+            (now - *at < CLAIMS).then(|| alarms::robot_claim(&here.listed.name, notice.to_string()))
+        };
+        let all: Vec<Sentence> = self.robots.values().filter_map(last).collect();
+        self.alarms.push(DriveAlarm::Raise(AlarmKind::RobotClaims, alarms::robot_claims(all)));
     }
 
     fn take_message(&mut self, now: Time, topic: &str, payload: &[u8], retained: bool) {
@@ -360,6 +405,7 @@ impl MqttRobots {
         if let (Some(state), Some(robot)) = (link, here.number) {
             self.inputs.push(Input::Link(robot, state));
         }
+        let lies = noticed.iter().any(Notice::is_lie);
         for notice in noticed {
             tracing::warn!(robot = here.listed.name, "{notice}");
             here.noticed.push_back((now, notice));
@@ -369,6 +415,9 @@ impl MqttRobots {
         }
         for told in told {
             self.send(now, address, told);
+        }
+        if lies {
+            self.alarm_of_claims(now);
         }
     }
 
