@@ -6,6 +6,7 @@
 //! [`read()`], [`write()`]. Refuses: to know what a message means for anybody, and to know MQTT.
 
 pub mod model;
+pub mod robot;
 pub mod topic;
 pub mod version;
 
