@@ -19,5 +19,6 @@ pub use model::state::{
     Velocity, Visualization,
 };
 pub use model::{Header, Message};
+pub use robot::{EmbodiedRobot, RobotMessage, RobotQuirks, RobotSetup, RobotStep, VirtualRobot};
 pub use topic::{Address, AddressError, TopicKind};
 pub use version::Version;
