@@ -1,9 +1,15 @@
-//! What a virtual robot is: version, names, place, abilities.
+//! What a virtual robot is: version, names, place, abilities, and the presets for the three measured robots.
 //!
 //! Main types: [`RobotSetup`], [`RobotAbilities`]. Refuses: to check a setup; a senseless one makes a senseless robot.
 
 use super::body::BodyLimits;
-use super::quirks::RobotQuirks;
+use super::quirks::{
+    BaseRequestHabit, CancelHabit, ChargingOrders, DeviationKey, DrivingFlag, EqualUpdate, ErrorMemory,
+    FirstState, HandlingParameters, HeadingCheck, IdleCancel, InstantActionsKey, InstantBatch, InstantHabit,
+    InstantMemory, LocalizedFlag, NodeStops, NumericParameters, OrderActionHabit, OtherOrder, PauseHabit,
+    PausedFlag, ReadingHabit, ReconnectHabit, RejectionWords, RepeatedPause, ReportedBase, RobotQuirks,
+    StartRule, StateHabit, StitchedActions, UnreadableReply, VelocityFlag, VersionCheck,
+};
 use crate::model::factsheet::Factsheet;
 use crate::model::state::Position;
 use crate::version::Version;
@@ -131,5 +137,99 @@ impl RobotSetup {
             body,
             quirks: RobotQuirks::default(),
         }
+    }
+
+    /// A robot that behaves as robot A was measured: npm `vda-5050-lib` 1.4.0, which speaks 2.0.
+    pub fn like_a() -> RobotSetup {
+        let mut setup = RobotSetup::new(Version::V2_0, "coaty", "a1", "lab", "n0");
+        setup.factsheet = Some(Factsheet::default());
+        setup.announces_factsheet = false;
+        setup.abilities.handling_prepare_us = SECOND_US;
+        setup.abilities.own_deviation_m = 0.5;
+        // It was measured without acceleration; this is as good as none.
+        setup.body.accel_mps2 = 10.0;
+        setup.body.brake_mps2 = 10.0;
+        setup.quirks = RobotQuirks {
+            instant_actions_key: InstantActionsKey::InstantActions,
+            deviation_key: DeviationKey::LowerCase,
+            unreadable: UnreadableReply::WarningButSilentAboutText,
+            instant_batch: InstantBatch::DiesOfTwo,
+            instant_memory: InstantMemory::FiveStates,
+            equal_update: EqualUpdate::Ignored,
+            stitched_actions: StitchedActions::ListedAgain,
+            other_order: OtherOrder::Stitched,
+            heading_check: HeadingCheck::WithinRad(0.35),
+            first_state: FirstState::ListsFirstNode,
+            handling_parameters: HandlingParameters::FloorAndEpal,
+            charging_orders: ChargingOrders::Refused,
+            repeated_pause: RepeatedPause::Failed,
+            idle_cancel: IdleCancel::ErrorOnly,
+            node_stops: NodeStops::EachNode { dwell_us: SECOND_US / 5 },
+            reconnect: ReconnectHabit::Unannounced,
+            base_request: BaseRequestHabit::Never,
+            ..RobotQuirks::default()
+        };
+        setup
+    }
+
+    /// A robot that behaves as robot B was measured with its own executor: PyPI `vda5050-sdk` 0.2.0, which speaks 2.1.
+    /// For its executor beside the reader set `reading` to [`ReadingHabit::AtOnce`]; its nodes then vanish on updates.
+    pub fn like_b() -> RobotSetup {
+        let mut setup = RobotSetup::new(Version::V2_1, "sdk", "b1", "lab", "n0");
+        setup.factsheet = None;
+        setup.announces_factsheet = false;
+        setup.visualization_interval_us = None;
+        setup.abilities.load_reading = LoadReading::Unknown;
+        // Exactly there, but for the noise of floating point.
+        setup.abilities.own_deviation_m = 0.001;
+        setup.quirks = RobotQuirks {
+            reading: ReadingHabit::AtEndOfBase,
+            equal_update: EqualUpdate::IgnoredInSilence,
+            reported_base: ReportedBase::Vanishes,
+            rejection_words: RejectionWords::OrderError,
+            start_rule: StartRule::DistanceOrLastNode,
+            order_actions: OrderActionHabit::DoneEvenUnknown,
+            error_memory: ErrorMemory::InstantActionsForEver,
+            reconnect: ReconnectHabit::Never,
+            velocity_flag: VelocityFlag::Absent,
+            base_request: BaseRequestHabit::AtEveryEnd,
+            ..RobotQuirks::default()
+        };
+        setup
+    }
+
+    /// A robot that behaves as robot C was measured: PyPI `vda5050-core` 0.1.0rc2, which speaks 2.0, with the
+    /// callbacks of its own example.
+    pub fn like_c() -> RobotSetup {
+        let mut setup = RobotSetup::new(Version::V2_0, "rosi", "c0", "lab", "");
+        setup.announces_factsheet = false;
+        setup.visualization_interval_us = None;
+        setup.abilities.load_reading = LoadReading::Unknown;
+        setup.abilities.own_deviation_m = 0.5;
+        setup.quirks = RobotQuirks {
+            version_check: VersionCheck::Any,
+            unreadable: UnreadableReply::Fatal,
+            numeric_parameters: NumericParameters::FatalParseError,
+            instant_actions: InstantHabit::Claimed,
+            instant_memory: InstantMemory::ForEver,
+            equal_update: EqualUpdate::Error,
+            reported_base: ReportedBase::Vanishes,
+            rejection_words: RejectionWords::FatalUpdateError,
+            first_state: FirstState::ListsFirstNode,
+            order_actions: OrderActionHabit::SkippedInSilence,
+            pause: PauseHabit::FailsAndDrivesOn,
+            cancel: CancelHabit::ClaimsAndDrivesOn,
+            idle_cancel: IdleCancel::Finished,
+            error_memory: ErrorMemory::ForEver,
+            reconnect: ReconnectHabit::Never,
+            states: StateHabit::EventsOnly,
+            driving_flag: DrivingFlag::AlwaysFalse,
+            paused_flag: PausedFlag::Absent,
+            velocity_flag: VelocityFlag::Absent,
+            localized_flag: LocalizedFlag::AlwaysFalse,
+            base_request: BaseRequestHabit::Never,
+            ..RobotQuirks::default()
+        };
+        setup
     }
 }

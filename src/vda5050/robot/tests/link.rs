@@ -54,6 +54,19 @@ fn a_robot_that_lost_the_broker_drives_to_the_end_of_its_base_and_comes_back_wit
 }
 
 #[test]
+fn a_robot_that_is_switched_on_without_a_broker_says_online_when_there_is_one() {
+    for setup in [RobotSetup::like_a(), RobotSetup::like_b(), RobotSetup::like_c()] {
+        let mut bench = RobotBench { robot: EmbodiedRobot::new(setup), now_us: 0, said: Vec::new() };
+        bench.robot.robot.lose_broker();
+        bench.run(60.0);
+        assert!(bench.said.is_empty());
+        bench.robot.robot.find_broker();
+        bench.run(0.1);
+        assert_eq!(bench.connections(), [ConnectionState::Online]);
+    }
+}
+
+#[test]
 fn a_rebooted_robot_has_forgotten_everything_and_may_stand_elsewhere() {
     let mut bench = RobotBench::of_version(Version::V2_0);
     bench.robot.robot.set_loads(vec![Load { id: None, kind: None }]);

@@ -5,6 +5,9 @@
 mod body;
 mod control;
 mod handling;
+mod like_a;
+mod like_b;
+mod like_c;
 mod link;
 mod orders;
 mod rejections;
