@@ -5,6 +5,7 @@
 mod body;
 mod control;
 mod handling;
+mod laws;
 mod like_a;
 mod like_b;
 mod like_c;
