@@ -7,6 +7,7 @@
 
 pub mod model;
 pub mod read;
+pub mod robot;
 #[cfg(test)]
 mod tests;
 pub mod topic;
@@ -24,6 +25,7 @@ pub use model::state::{
 };
 pub use model::{Header, Message};
 pub use read::{Oddity, Read, Unreadable, read};
+pub use robot::{EmbodiedRobot, RobotMessage, RobotQuirks, RobotSetup, RobotStep, VirtualRobot};
 pub use topic::{Address, AddressError, TopicKind};
 pub use version::Version;
 pub use write::write;
