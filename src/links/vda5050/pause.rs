@@ -12,6 +12,8 @@ pub(super) const START_PAUSE: &str = "startPause";
 pub(super) const STOP_PAUSE: &str = "stopPause";
 /// A pause is told again after this.
 const AGAIN: Span = Span::from_millis(500);
+/// A robot stands this long after it has begun to brake.
+const BRAKES: Span = Span::from_secs(4);
 /// How often a pause is told.
 const TIMES: u32 = 10;
 
@@ -85,7 +87,9 @@ impl RobotSession {
     }
 
     fn tell_again(&mut self, now: Time, mut asked: Asked, kind: &str) {
-        if now - asked.last < AGAIN {
+        // A robot that has the action and brakes need not be told again: some fail what they are told twice.
+        let has_it = self.action_state(&asked.id).is_some() && now - asked.since < BRAKES;
+        if now - asked.last < AGAIN || has_it {
             return;
         }
         if asked.tries >= TIMES {

@@ -274,6 +274,17 @@ impl RobotSession {
         self.report(now);
     }
 
+    /// The order that the robot drives by and how far it is, for people who look into trouble.
+    pub fn order_text(&self) -> String {
+        match &self.order {
+            OrderLife::Idle => "no order".to_owned(),
+            OrderLife::Has(leg) => {
+                format!("{} {}, released to visit {}, {:?}", leg.id, leg.update, leg.base, leg.sent)
+            }
+            OrderLife::Cancels { leg, .. } => format!("{} is being cancelled", leg.id),
+        }
+    }
+
     /// What is to be done next, after anything that happened.
     fn go_on(&mut self, now: Time) -> SessionOutput {
         self.ask_for_state(now);

@@ -1,1 +1,454 @@
-//! Tests of sessions.
+//! A fleet whose robots are virtual ones that speak VDA 5050, in memory: every message is written and read as it would
+//! travel, and an observer of all orders holds the laws of the link.
+
+use super::*;
+use giveway_fleet::{
+    Act, Capabilities, Fact, Fleet, Input, JobAction, JobFact, JobKind, JobRequest, JobState, ObeyedLimits,
+    Request, RobotAction, Settings, StationOrder, Token,
+};
+use giveway_floor::id::{Dense, JobId, NodeId, RobotId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{NodeKind, Warehouse, lab, thesis};
+use giveway_site::{MapFrame, RobotLinkSettings};
+use giveway_vda5050::{
+    EmbodiedRobot, Header, Message, Order, Parameter, RobotSetup, TopicKind, Version, read, write,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+mod lies;
+mod losses;
+mod people;
+
+const PERIOD: Span = Span::from_millis(100);
+const FLOOR: &str = "lab";
+const JOINS: Token = Token { asker: giveway_fleet::Asker(7), number: 0 };
+
+/// A robot and its session.
+struct Pair {
+    robot: EmbodiedRobot,
+    session: RobotSession,
+    number: Option<RobotId>,
+    joined_at: Option<Time>,
+    /// Messages on their way to the robot, with their arrival.
+    to_robot: Vec<(Time, Message)>,
+    told: Vec<(Time, TopicKind, Message)>,
+    noticed: Vec<Notice>,
+    watch: OrderWatch,
+}
+
+impl Pair {
+    fn place(&self) -> (f64, f64) {
+        let report = self.robot.body().report(Vec::new());
+        (report.x, report.y)
+    }
+
+    fn speed_mps(&self) -> f64 {
+        self.robot.body().report(Vec::new()).speed_mps
+    }
+}
+
+/// What an observer of the broker sees of a robot's orders.
+#[derive(Default)]
+struct OrderWatch {
+    order: Option<Order>,
+    /// Nodes released and not passed.
+    released: BTreeMap<u32, String>,
+}
+
+/// A floor of such robots.
+struct LinkFloor {
+    fleet: Fleet,
+    now: Time,
+    boot: u64,
+    pairs: Vec<Pair>,
+    ended: BTreeMap<JobId, JobState>,
+    picks: BTreeMap<RobotId, Time>,
+    /// How long messages travel.
+    delay: Span,
+}
+
+fn settings() -> RobotLinkSettings {
+    let parameters = || {
+        let text = |key: &str, value: &str| Parameter { key: key.into(), value: value.into() };
+        vec![text("stationType", "floor"), text("loadType", "EPAL")]
+    };
+    let mut settings =
+        RobotLinkSettings { maps: vec![MapFrame::same(FLOOR)], ..RobotLinkSettings::default() };
+    settings.lift.parameters = parameters();
+    settings.set.parameters = parameters();
+    settings
+}
+
+fn deliver(map: &Warehouse, rack: usize) -> JobRequest {
+    let station = map.stations.ids().nth(rack % map.stations.len()).expect("there are stations");
+    let rack = map.racks.ids().nth(rack).expect("there are as many racks");
+    JobRequest::new(JobKind::Deliver { rack, station, pick: None })
+}
+
+impl LinkFloor {
+    fn new(map: Warehouse, setups: Vec<RobotSetup>) -> LinkFloor {
+        let mut fleet_settings =
+            Settings { links: vec!["mqtt".into()], period: PERIOD, ..Settings::default() };
+        fleet_settings.site_kinds[0].capabilities = Capabilities {
+            revocation: true,
+            limits: ObeyedLimits::Stops,
+            drives_back: false,
+            horizon_nodes: 0,
+        };
+        let fleet = Fleet::new(Arc::new(map), fleet_settings);
+        let mut floor = LinkFloor {
+            fleet,
+            now: Time::ZERO + Span::from_secs(1),
+            boot: 1,
+            pairs: Vec::new(),
+            ended: BTreeMap::new(),
+            picks: BTreeMap::new(),
+            delay: Span::from_millis(100),
+        };
+        let map = floor.map();
+        let places =
+            map.nodes_where(|k| matches!(k, NodeKind::Charger | NodeKind::Parking | NodeKind::Storage));
+        for (setup, node) in setups.into_iter().zip(places) {
+            floor.switch_on(setup, node);
+        }
+        floor
+    }
+
+    fn map(&self) -> Arc<Warehouse> {
+        self.fleet.warehouse().clone()
+    }
+
+    fn switch_on(&mut self, mut setup: RobotSetup, node: NodeId) {
+        let place = &self.map().nodes[node];
+        (setup.position.x, setup.position.y) = (place.at.x, place.at.y);
+        setup.position.map = FLOOR.into();
+        setup.last_node = place.name.clone();
+        setup.serial = format!("r{}", self.pairs.len());
+        let session = RobotSession::new(setup.version, settings(), self.map(), self.boot);
+        self.pairs.push(Pair {
+            robot: EmbodiedRobot::new(setup),
+            session,
+            number: None,
+            joined_at: None,
+            to_robot: Vec::new(),
+            told: Vec::new(),
+            noticed: Vec::new(),
+            watch: OrderWatch::default(),
+        });
+    }
+
+    /// One control period.
+    fn step(&mut self, requests: Vec<Input>) {
+        let mut inputs = requests;
+        for i in 0..self.pairs.len() {
+            self.hear(i, &mut inputs);
+        }
+        inputs.extend(self.picked());
+        let step = self.fleet.step(self.now, inputs);
+        self.note(&step.facts);
+        for (robot, command) in step.urgent.iter().chain(&step.commands) {
+            let i = self.pairs.iter().position(|pair| pair.number == Some(*robot)).expect("it has joined");
+            let out = self.pairs[i].session.command(self.now, command);
+            self.take(i, out, &mut Vec::new());
+        }
+        self.check();
+        self.now += PERIOD;
+    }
+
+    /// Lets a robot act and its session hear what it says.
+    fn hear(&mut self, i: usize, inputs: &mut Vec<Input>) {
+        let now = self.now;
+        let pair = &mut self.pairs[i];
+        let arrived: Vec<Message> =
+            pair.to_robot.extract_if(.., |(at, _)| *at <= now).map(|(_, message)| message).collect();
+        let version = pair.session.version();
+        for said in pair.robot.step(now.0, &arrived) {
+            let Some(heard) = heard(travel(said.topic, &said.message, version)) else { continue };
+            let out = self.pairs[i].session.hear(now, heard);
+            self.take(i, out, inputs);
+        }
+        let out = self.pairs[i].session.tick(now);
+        self.take(i, out, inputs);
+        self.join(i, inputs);
+    }
+
+    /// A robot that is ready joins where it stands.
+    fn join(&mut self, i: usize, inputs: &mut Vec<Input>) {
+        let name = format!("r{i}");
+        let pair = &mut self.pairs[i];
+        if pair.number.is_none() {
+            let known = self.fleet.ledger().robots.pairs().find(|(_, record)| record.name == name);
+            if let Some((robot, record)) = known {
+                let chain = self.fleet.ledger().chain(robot);
+                let (at, granted, recalls) = (chain.first(), chain.granted() - 1, record.recalls);
+                let rack = self.fleet.ledger().rack_on(robot);
+                pair.number = Some(robot);
+                pair.joined_at.get_or_insert(self.now);
+                let out = pair.session.join(self.now, SessionStart { robot, at, granted, recalls, rack });
+                self.take(i, out, inputs);
+            } else if pair.session.not_ready(self.now).is_none() {
+                let node = pair.session.node().expect("it is ready");
+                let kind = self.fleet.ledger().kinds()[0].name.clone();
+                let link = Some("mqtt".to_owned());
+                inputs.push(Input::ask(JOINS, RobotAction::Register { name, kind, node, link }));
+            }
+        }
+    }
+
+    fn take(&mut self, i: usize, out: SessionOutput, inputs: &mut Vec<Input>) {
+        let (arrives, pair) = (self.now + self.delay, &mut self.pairs[i]);
+        inputs.extend(out.reports.into_iter().map(Input::Telemetry));
+        if let (Some(state), Some(robot)) = (out.link, pair.number) {
+            inputs.push(Input::Link(robot, state));
+        }
+        pair.noticed.extend(out.noticed);
+        for told in out.told {
+            pair.told.push((self.now, told.kind, told.message.clone()));
+            if let Message::Order(order) = &told.message {
+                pair.watch.see(order);
+            }
+            pair.to_robot.push((arrives, travel(told.kind, &told.message, pair.session.version())));
+        }
+    }
+
+    /// Pickers who are done.
+    fn picked(&mut self) -> Vec<Input> {
+        let ledger = self.fleet.ledger();
+        let picked_from: Vec<RobotId> = ledger.present().filter(|r| ledger.is_picked_from(*r)).collect();
+        self.picks.retain(|robot, _| picked_from.contains(robot));
+        let mut said = Vec::new();
+        for robot in picked_from {
+            let since = *self.picks.entry(robot).or_insert(self.now);
+            let NodeKind::Station(station) = ledger.warehouse().kind(ledger.node_of(robot)) else { continue };
+            if self.now - since >= Span::from_secs(3) {
+                said.push(Input::ask(9, Request::Station(station, StationOrder::Done)));
+            }
+        }
+        said
+    }
+
+    fn note(&mut self, facts: &[Fact]) {
+        for fact in facts {
+            if let Fact::Job(JobFact::Progressed { job, state, .. }) = fact
+                && state.is_over()
+            {
+                assert_eq!(self.ended.insert(*job, *state), None, "{job:?} ends once");
+            }
+        }
+    }
+
+    /// The laws of the link.
+    fn check(&mut self) {
+        let mut owners: BTreeMap<&str, usize> = BTreeMap::new();
+        for pair in &mut self.pairs {
+            if let Some((_, state)) = pair.session.state() {
+                let (order, sequence) = (state.order.clone(), state.last_sequence);
+                pair.watch.pass(&order, sequence, state.nodes.is_empty());
+            }
+        }
+        for (i, pair) in self.pairs.iter().enumerate() {
+            for node in pair.watch.released.values() {
+                let before = owners.insert(node, i);
+                assert!(before.is_none_or(|b| b == i), "{:?}: {node} is released to two robots", self.now);
+            }
+        }
+        let bodies: Vec<(f64, f64)> = self.pairs.iter().map(Pair::place).collect();
+        for (i, a) in bodies.iter().enumerate() {
+            for b in &bodies[..i] {
+                let far = (a.0 - b.0).abs().max((a.1 - b.1).abs());
+                assert!(far > 0.6, "{:?}: two robots touch at {a:?}", self.now);
+            }
+        }
+    }
+
+    fn run(&mut self, seconds: i64) {
+        let end = self.now + Span::from_secs(seconds);
+        while self.now < end {
+            self.step(Vec::new());
+        }
+    }
+
+    fn until(&mut self, seconds: i64, what: &str, is_so: impl Fn(&LinkFloor) -> bool) {
+        let end = self.now + Span::from_secs(seconds);
+        while !is_so(self) {
+            assert!(self.now < end, "{what}, within {seconds} s; {}", self.said());
+            self.step(Vec::new());
+        }
+    }
+
+    fn all_joined(&mut self) {
+        self.until(60, "all have joined", |f| f.pairs.iter().all(|p| p.number.is_some()));
+    }
+
+    fn submit(&mut self, request: JobRequest) -> JobId {
+        let id = JobId(self.fleet.ledger().next_job);
+        self.step(vec![Input::ask(5, JobAction::Submit(request))]);
+        assert!(self.fleet.ledger().jobs.contains_key(&id), "it is accepted");
+        id
+    }
+
+    fn submit_deliveries(&mut self, count: usize) -> Vec<JobId> {
+        let map = self.map();
+        (0..count).map(|rack| self.submit(deliver(&map, rack))).collect()
+    }
+
+    fn until_done(&mut self, jobs: &[JobId], seconds: i64) {
+        let open = jobs.to_vec();
+        self.until(seconds, "all jobs end", move |f| open.iter().all(|job| f.ended.contains_key(job)));
+        for job in jobs {
+            assert_eq!(self.ended[job], JobState::Done, "{job:?}");
+        }
+    }
+
+    /// How everything is, for failures.
+    fn said(&self) -> String {
+        let one = |(i, pair): (usize, &Pair)| {
+            let robot = pair.number;
+            let why = robot.and_then(|r| self.fleet.why(r));
+            let not_ready = pair.session.not_ready(self.now);
+            format!("\n r{i} {why:?} {not_ready:?} {:?} {:?}", pair.session.order_text(), pair.noticed)
+        };
+        let open: Vec<_> = self.fleet.ledger().jobs.iter().map(|(id, job)| (*id, job.state)).collect();
+        format!("open {open:?}{}", self.pairs.iter().enumerate().map(one).collect::<String>())
+    }
+
+    fn notices(&self, i: usize) -> Vec<String> {
+        self.pairs[i].noticed.iter().map(ToString::to_string).collect()
+    }
+}
+
+impl OrderWatch {
+    /// Checks that an order or update is stitched rightly, and takes what it releases.
+    fn see(&mut self, order: &Order) {
+        assert!(order.nodes.windows(2).all(|pair| pair[0].sequence + 2 == pair[1].sequence), "{order:?}");
+        assert!(order.nodes.windows(2).all(|pair| pair[0].released || !pair[1].released), "{order:?}");
+        assert_eq!(order.edges.len() + 1, order.nodes.len(), "{order:?}");
+        let repeats = self.order.as_ref() == Some(order);
+        match self.order.as_ref().filter(|before| before.id == order.id && order.update > 0) {
+            Some(before) if !repeats => {
+                let last = before.nodes.iter().rfind(|node| node.released).expect("the first is released");
+                // Numbers leap where a process has begun anew.
+                assert!(order.update == before.update + 1 || order.update > before.update + 999, "{order:?}");
+                assert_eq!(&order.nodes[0], last, "stitched at the last node");
+                assert!(last.actions.is_empty(), "no node with actions is stitched");
+            }
+            Some(_) => {}
+            None => {
+                assert!(repeats || order.update == 0 || self.order.is_none(), "{order:?}");
+                self.released.clear();
+            }
+        }
+        for node in order.nodes.iter().filter(|node| node.released) {
+            self.released.insert(node.sequence, node.id.trim_start_matches('~').to_owned());
+        }
+        self.order = Some(order.clone());
+    }
+
+    /// What the robot has behind it.
+    fn pass(&mut self, order: &str, sequence: u32, has_ended: bool) {
+        if self.order.as_ref().is_some_and(|o| o.id == order) {
+            self.released.retain(|s, _| *s >= sequence);
+            if has_ended && self.released.len() > 1 && self.released.keys().next() == Some(&sequence) {
+                // The order was cancelled where the robot stands.
+                let cancelled = self.released.keys().nth(1).is_some();
+                if cancelled {
+                    self.released.retain(|s, _| *s <= sequence + 2);
+                }
+            }
+        }
+    }
+}
+
+/// A message as it travels: written by one side, read by the other.
+fn travel(kind: TopicKind, message: &Message, version: Version) -> Message {
+    let header = Header {
+        id: 1,
+        timestamp: "2026-11-30T12:00:00.000Z".into(),
+        version: version.text().into(),
+        manufacturer: "maker".into(),
+        serial: "r".into(),
+    };
+    let text = write(&header, message, version).to_string();
+    let said = read(kind, text.as_bytes()).expect("what is written can be read");
+    assert_eq!(said.oddities, [], "{text}");
+    said.message
+}
+
+fn heard(message: Message) -> Option<RobotHeard> {
+    match message {
+        Message::State(state) => Some(RobotHeard::State(state)),
+        Message::Visualization(seen) => Some(RobotHeard::Visualization(seen)),
+        Message::Connection(connection) => Some(RobotHeard::Connection(connection)),
+        Message::Factsheet(factsheet) => Some(RobotHeard::Factsheet(factsheet)),
+        Message::Order(_) | Message::InstantActions(_) => None,
+    }
+}
+
+fn standard(version: Version) -> RobotSetup {
+    RobotSetup::new(version, "maker", "r", FLOOR, "n")
+}
+
+#[test]
+fn robots_of_all_versions_and_two_vendors_join_and_deliver_in_one_fleet() {
+    let setups = vec![
+        RobotSetup::like_a(),
+        RobotSetup::like_b(),
+        standard(Version::V2_0),
+        standard(Version::V2_1),
+        standard(Version::V3_0),
+        standard(Version::V3_0),
+    ];
+    let mut floor = LinkFloor::new(thesis(), setups);
+    floor.all_joined();
+    let jobs = floor.submit_deliveries(24);
+    floor.until_done(&jobs, 3600);
+    let served: BTreeSet<usize> = (0..6).filter(|i| !floor.pairs[*i].told.is_empty()).collect();
+    assert_eq!(served.len(), 6);
+    for i in 0..6 {
+        assert_eq!(floor.notices(i), [""; 0], "robot {i}");
+    }
+}
+
+#[test]
+fn a_robot_drives_only_once_it_has_paused_and_gone_on_where_it_stands() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_1)]);
+    floor.run(1);
+    assert_eq!(floor.pairs[0].session.not_ready(floor.now), Some(NotReady::Unproven));
+    floor.all_joined();
+    let told: Vec<&str> = (floor.pairs[0].told.iter())
+        .filter_map(|(_, _, message)| match message {
+            Message::InstantActions(actions) => Some(actions[0].kind.as_str()),
+            _ => None,
+        })
+        .filter(|kind| *kind != "stateRequest")
+        .collect();
+    assert_eq!(told, ["startPause", "stopPause"]);
+    let is_order = |(_, kind, _): &(Time, TopicKind, Message)| *kind == TopicKind::Order;
+    assert!(!floor.pairs[0].told.iter().any(is_order), "nothing is to be done");
+}
+
+#[test]
+fn an_order_ends_at_the_stop_and_its_action_is_there_once() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_0)]);
+    floor.all_joined();
+    let jobs = floor.submit_deliveries(2);
+    floor.until_done(&jobs, 900);
+    let mut picks = BTreeMap::new();
+    for (_, _, message) in &floor.pairs[0].told {
+        let Message::Order(order) = message else { continue };
+        for node in &order.nodes {
+            for action in &node.actions {
+                *picks.entry(action.id.clone()).or_insert(0) += 1;
+                assert_eq!(
+                    order.nodes.last().map(|n| n.sequence),
+                    Some(node.sequence),
+                    "it is the last node"
+                );
+            }
+        }
+    }
+    assert!(picks.len() >= 3 && picks.values().all(|times| *times == 1), "{picks:?}");
+    let is_lift = |stop: &giveway_fleet::Stop| matches!(stop.act, Act::Lift(_));
+    assert!(!floor.fleet.ledger().robots[RobotId::at(0)].stops.iter().any(is_lift));
+}
