@@ -79,6 +79,8 @@ pub struct RobotLinkSettings {
     pub repeat: RepeatRule,
     /// How far from a node an order may begin, metres.
     pub deviation_m: f64,
+    /// Whether a robot that says that it does not know where it is is believed. Some say so always.
+    pub needs_localized: bool,
 }
 
 /// An action in the words of a kind of robot.
@@ -128,6 +130,7 @@ impl Default for RobotLinkSettings {
             instant_key: InstantKey::Both,
             repeat: RepeatRule::Safe,
             deviation_m: 0.5,
+            needs_localized: true,
         }
     }
 }
@@ -208,6 +211,14 @@ enum BlockingWord {
 struct QuirksFile {
     instant_actions_key: Option<InstantKeyWord>,
     repeat: Option<RepeatWord>,
+    localized: Option<LocalizedWord>,
+}
+
+#[derive(Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum LocalizedWord {
+    Required,
+    Ignored,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -316,6 +327,7 @@ impl LinkFigures {
             set: self.actions.set.map_or(usual.set, ActionFile::form),
             instant_key: key.unwrap_or(usual.instant_key),
             repeat: repeat.unwrap_or(usual.repeat),
+            needs_localized: self.quirks.localized != Some(LocalizedWord::Ignored),
             deviation_m,
         })
     }

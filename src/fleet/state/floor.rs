@@ -6,7 +6,7 @@
 
 use super::at_hand::AtHand;
 use super::job::Job;
-use super::kind::RobotKind;
+use super::kind::{ObeyedLimits, RobotKind};
 use super::ledger::Ledger;
 use super::regions::KindRegions;
 use super::restrictions::Restrictions;
@@ -58,6 +58,12 @@ impl<'a> Floor<'a> {
     /// The kind of a robot.
     pub fn kind(&self, robot: RobotId) -> &'a RobotKind {
         self.ledger.kinds().of(&self.ledger.robots[robot].kind)
+    }
+
+    /// Which speed limits a robot obeys: what its kind obeys, or less if its link has seen that.
+    pub fn obeyed_limits(&self, robot: RobotId) -> ObeyedLimits {
+        let seen = self.scene.link(robot).map_or(ObeyedLimits::Speeds, |link| link.limits);
+        self.kind(robot).capabilities.limits.max(seen)
     }
 
     /// The kind of a robot, as the building knows it.

@@ -50,8 +50,8 @@ pub struct Capabilities {
     pub horizon_nodes: usize,
 }
 
-/// Which speed limits a robot obeys within what it was granted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Which speed limits a robot obeys within what it was granted. The least obedient is the greatest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ObeyedLimits {
     /// Any speed, and a stop.
     Speeds,

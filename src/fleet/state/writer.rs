@@ -87,7 +87,11 @@ impl Writer {
         let unlinked: Vec<(RobotId, String)> = robots.map(|(robot, r)| (robot, r.link.clone())).collect();
         for (robot, link) in unlinked {
             let refuses = Some(format!("the site has no link named {link}"));
-            self.scene.hear_link(robot, LinkState { connected: false, capacity: None, refuses }, Time::ZERO);
+            self.scene.hear_link(
+                robot,
+                LinkState { connected: false, refuses, ..LinkState::default() },
+                Time::ZERO,
+            );
         }
     }
 

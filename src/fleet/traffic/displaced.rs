@@ -147,7 +147,7 @@ fn fits_again(writer: &mut Writer, robot: RobotId) {
 
 /// Books a robot on the free node where it stands, and nowhere else. The robot keeps the rack that it carries and the
 /// job for that rack, and gives any other job back. Robots that were promised the place lose that route.
-fn take_up(writer: &mut Writer, robot: RobotId, node: NodeId, now: Time) {
+pub(super) fn take_up(writer: &mut Writer, robot: RobotId, node: NodeId, now: Time) {
     match writer.ledger().robots[robot].task {
         Task::Fetch { job: Some(job), .. } | Task::Move { job: Some(job), .. } => {
             writer.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);

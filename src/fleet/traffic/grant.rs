@@ -250,7 +250,7 @@ impl Floor<'_> {
     /// Whether a robot is granted one node at a time: a robot that obeys no limit, or one that cannot drive slowly and
     /// passes a person for whom it has stood for long.
     fn goes_by_nodes(&self, yielding: &YieldingState, robot: RobotId, now: Time) -> bool {
-        match self.kind(robot).capabilities.limits {
+        match self.obeyed_limits(robot) {
             ObeyedLimits::Speeds => false,
             ObeyedLimits::Stops => yielding.stood_for(robot, now).is_some(),
             ObeyedLimits::Nothing => true,
@@ -260,7 +260,7 @@ impl Floor<'_> {
     /// Whether a robot that obeys no limit would have to stand now. Such a robot gets no more than it has, and is not
     /// told of what it has and does not know.
     fn would_not_stop(&self, yielding: &YieldingState, robot: RobotId) -> bool {
-        let obeys = self.kind(robot).capabilities.limits;
+        let obeys = self.obeyed_limits(robot);
         obeys == ObeyedLimits::Nothing && yielding.of(robot).limit_mps() == Some(0.0)
     }
 

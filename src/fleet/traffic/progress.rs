@@ -7,6 +7,7 @@ use crate::state::floor::Floor;
 use crate::state::job::{JobFailure, JobState};
 use crate::state::job_kind::JobKind;
 use crate::state::writer::Writer;
+use crate::traffic::displaced::take_up;
 use crate::traffic::failure::fail;
 use crate::traffic::revoke::note_revoked;
 use crate::traffic::state::Traffic;
@@ -36,6 +37,7 @@ impl Traffic {
             note_passed(writer, robot, seen.reached, now);
             note_revoked(writer, robot, &seen, now);
             note_stop(writer, robot, seen.acted, now);
+            note_failed_lift(writer, robot, now);
             if self.note_place(writer, robot, &seen, now) {
                 taken_up.push(robot);
             }
@@ -107,6 +109,18 @@ fn note_stop(writer: &mut Writer, robot: RobotId, acted: Option<u64>, now: Time)
         // A granted stop is done even if the job was cancelled meanwhile.
         (Act::Pick(_) | Act::Arrive, _) => {}
         (Act::Lift(_) | Act::Set(_), task) => panic!("{robot:?} did {:?} during {task:?}", stop.act),
+    }
+}
+
+/// Takes the word of a robot's link that the robot could not lift its rack: it is booked where it stands, without the
+/// stop, and other robots may do the job.
+fn note_failed_lift(writer: &mut Writer, robot: RobotId, now: Time) {
+    let Some(stop) = writer.ledger().robots[robot].stops.first().copied() else { return };
+    let failed = writer.scene.link(robot).and_then(|link| link.failed_stop) == Some(stop.serial);
+    let there = writer.ledger().chain(robot).first() == stop.serial;
+    if failed && there && matches!(stop.act, Act::Lift(_)) {
+        let node = writer.ledger().node_of(robot);
+        take_up(writer, robot, node, now);
     }
 }
 

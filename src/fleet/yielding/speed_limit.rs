@@ -74,7 +74,7 @@ impl Yielding {
             let (limit, because) =
                 self.limits(writer.floor(), people, traffic).limit_for(robot, &present, now);
             let limit = if writer.visits.at_hands(robot).is_some() { Some(0.0) } else { limit };
-            let obeys = writer.floor().kind(robot).capabilities.limits;
+            let obeys = writer.floor().obeyed_limits(robot);
             let wished = limit;
             let limit = match obeys {
                 ObeyedLimits::Speeds => limit,

@@ -117,7 +117,7 @@ impl RobotSession {
             return Some(NotReady::Mode(state.mode));
         }
         let Some(position) = &state.position else { return Some(NotReady::NoPosition) };
-        if !position.localized {
+        if !position.localized && self.settings.needs_localized {
             return Some(NotReady::NotLocalized);
         }
         if !self.settings.maps.iter().any(|frame| frame.name == position.map) {
@@ -180,16 +180,28 @@ impl RobotSession {
                 Some(Ok(())) => self.obedience = Obedience::GoesOn(self.ask(now, STOP_PAUSE)),
                 Some(Err(words)) => self.obedience = Obedience::Failed(words),
                 None if now - asked.since >= PROVES => self.obedience = Obedience::Failed(None),
-                None => self.look_again(now),
+                None => self.obedience = Obedience::Pauses(self.prove_again(now, asked, START_PAUSE)),
             },
             Obedience::GoesOn(asked) => match self.was_heeded(&asked, false) {
                 Some(Ok(())) => self.obedience = Obedience::Proven,
                 Some(Err(words)) => self.obedience = Obedience::Failed(words),
                 None if now - asked.since >= PROVES => self.obedience = Obedience::Failed(None),
-                None => self.look_again(now),
+                None => self.obedience = Obedience::GoesOn(self.prove_again(now, asked, STOP_PAUSE)),
             },
             Obedience::Proven | Obedience::Failed(_) | Obedience::Consented => {}
         }
+    }
+
+    /// Looks again whether the robot obeys; what a later state does not show at all was lost and is sent again.
+    fn prove_again(&mut self, now: Time, mut asked: Asked, kind: &str) -> Asked {
+        const SHOWS: Span = Span::from_millis(1500);
+        let heard = self.state.as_ref().is_some_and(|(at, _)| *at >= asked.last + SHOWS);
+        if heard && self.action_state(&asked.id).is_none() {
+            (asked.last, asked.tries) = (now, asked.tries + 1);
+            self.instant(kind, &asked.id, Vec::new());
+        }
+        self.look_again(now);
+        asked
     }
 
     /// Asks for another state while something is to be seen in one.

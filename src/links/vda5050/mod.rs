@@ -12,6 +12,7 @@ mod contact;
 mod motion;
 mod notice;
 mod order;
+mod overtaken;
 mod pause;
 mod report;
 mod session;
@@ -20,4 +21,4 @@ mod tests;
 
 pub use contact::NotReady;
 pub use notice::Notice;
-pub use session::{RobotHeard, RobotSession, SessionOutput, SessionStart, Told};
+pub use session::{MessageStamp, RobotHeard, RobotSession, SessionOutput, SessionStart, Told};

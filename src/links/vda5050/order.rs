@@ -156,6 +156,17 @@ impl RobotSession {
         }
     }
 
+    /// A drive that begins after all that the robot knows is for the place where it stands: people put it there, or it
+    /// could not do what it was to do.
+    pub(super) fn take_up(&mut self, drive: &WantedDrive) {
+        let (Some(first), Some(progress)) = (drive.waypoints.first(), &mut self.progress) else { return };
+        let here =
+            self.motion.pose().is_some_and(|p| (self.map.nodes[first.node].at - p.at).norm() <= ON_NODE_M);
+        if first.serial > progress.known && here && self.order == OrderLife::Idle {
+            (progress.reached, progress.known) = (first.serial, first.serial);
+        }
+    }
+
     /// A robot that is where it has only to be is done there.
     pub(super) fn note_arrival(&mut self, now: Time) {
         let (Some(wanted), Some(progress)) = (&self.wanted, &mut self.progress) else { return };

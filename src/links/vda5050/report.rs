@@ -3,14 +3,15 @@
 //! Refuses: the robot's clock; a report is from when the message arrived.
 
 use super::session::RobotSession;
-use giveway_fleet::{Fault, LinkState, Telemetry};
+use giveway_fleet::{Fault, LinkState, ObeyedLimits, Telemetry};
 use giveway_floor::time::Time;
 use giveway_vda5050::{EStop, ErrorLevel, OperatingMode, Position, Velocity};
 
 impl RobotSession {
     /// Notes where the robot says that it is.
     pub(super) fn see(&mut self, now: Time, position: Option<&Position>, velocity: Option<Velocity>) {
-        let Some(position) = position.filter(|p| p.localized) else { return };
+        let knows = |p: &&Position| p.localized || !self.settings.needs_localized;
+        let Some(position) = position.filter(knows) else { return };
         let frame = self.settings.maps.iter().find(|frame| frame.name == position.map);
         if let Some(frame) = frame {
             let pose = frame.to_floor(position.x, position.y, position.theta);
@@ -85,7 +86,10 @@ impl RobotSession {
             false => self.not_ready(now).map(|why| why.to_string()),
         };
         let capacity = Some(self.most_visits);
-        let link = LinkState { connected: self.unreachable(now).is_none(), capacity, refuses };
+        let failed_stop = self.progress.as_ref().and_then(|p| p.failed.as_ref()).map(|failed| failed.serial);
+        let limits = if self.pauses() { ObeyedLimits::Speeds } else { ObeyedLimits::Nothing };
+        let link =
+            LinkState { connected: self.unreachable(now).is_none(), capacity, refuses, limits, failed_stop };
         if link != self.link {
             self.link = link.clone();
             self.out.link = Some(link);

@@ -10,6 +10,7 @@ use super::contact::Obedience;
 use super::motion::Motion;
 use super::notice::Notice;
 use super::order::{LegOrder, OrderLife};
+use super::overtaken::MessageOrder;
 use super::pause::PauseLife;
 use giveway_fleet::{Command, LinkState, Telemetry, Waypoint};
 use giveway_floor::id::{NodeId, RackId, RobotId};
@@ -30,16 +31,25 @@ pub(super) const EXPIRES: Span = Span::from_secs(3);
 pub enum RobotHeard {
     /// Its connection, or the broker's word for it.
     Connection(ConnectionState),
-    /// Its state.
-    State(Box<State>),
-    /// Where it is.
-    Visualization(Visualization),
+    /// Its state, with the number and time of the message.
+    State(Box<State>, MessageStamp),
+    /// Where it is, with the number and time of the message.
+    Visualization(Visualization, MessageStamp),
     /// What it says that it can do.
     Factsheet(Box<Factsheet>),
     /// It speaks a version that is not spoken here.
     OtherVersion(String),
     /// A message under its topic names another robot.
     OtherName(String),
+}
+
+/// The number of a message among those of its topic, and its time by the robot's clock.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MessageStamp {
+    /// The number.
+    pub id: u32,
+    /// The time, as the robot writes it.
+    pub timestamp: String,
 }
 
 /// A message for the robot.
@@ -127,6 +137,8 @@ pub struct RobotSession {
     pub(super) factsheet: Option<Box<Factsheet>>,
     /// The last state, and when it arrived.
     pub(super) state: Option<(Time, Box<State>)>,
+    pub(super) states: MessageOrder,
+    pub(super) poses: MessageOrder,
     /// When a state was asked for last.
     pub(super) state_asked: Option<Time>,
     pub(super) motion: Motion,
@@ -172,6 +184,8 @@ impl RobotSession {
             other_version: None,
             factsheet: None,
             state: None,
+            states: MessageOrder::default(),
+            poses: MessageOrder::default(),
             state_asked: None,
             motion: Motion::default(),
             obedience: Obedience::Unproven,
@@ -209,11 +223,13 @@ impl RobotSession {
             RobotHeard::OtherVersion(version) => self.other_version = Some(version),
             RobotHeard::OtherName(named) => self.notice(Notice::OtherName { named }),
             RobotHeard::Factsheet(factsheet) => self.factsheet = Some(factsheet),
-            RobotHeard::Visualization(seen) => {
+            RobotHeard::State(_, stamp) if !self.states.takes(stamp.id, &stamp.timestamp) => {}
+            RobotHeard::Visualization(_, stamp) if !self.poses.takes(stamp.id, &stamp.timestamp) => {}
+            RobotHeard::Visualization(seen, _) => {
                 self.see(now, seen.position.as_ref(), seen.velocity);
                 self.report(now);
             }
-            RobotHeard::State(state) => self.take_state(now, state),
+            RobotHeard::State(state, _) => self.take_state(now, state),
         }
         self.go_on(now)
     }
@@ -225,6 +241,7 @@ impl RobotSession {
                 let obeyed = self.progress.as_ref().is_some_and(|p| *recalls >= p.recalls);
                 if obeyed {
                     let drive = WantedDrive { waypoints: waypoints.clone(), horizon: horizon.clone() };
+                    self.take_up(&drive);
                     self.wanted = Some(drive);
                 }
             }

@@ -3,13 +3,14 @@
 
 use super::*;
 use giveway_fleet::{
-    Act, Capabilities, Fact, Fleet, Input, JobAction, JobFact, JobKind, JobRequest, JobState, ObeyedLimits,
-    Request, RobotAction, Settings, StationOrder, Token,
+    Act, Capabilities, Fact, Fleet, Input, JobAction, JobFact, JobKind, JobRequest, JobState, JobWhy,
+    ObeyedLimits, Request, RobotAction, Settings, StationOrder, Token,
 };
 use giveway_floor::id::{Dense, JobId, NodeId, RobotId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::{NodeKind, Warehouse, lab, thesis};
 use giveway_site::{MapFrame, RobotLinkSettings};
+use giveway_vda5050::robot::LocalizedFlag;
 use giveway_vda5050::{
     EmbodiedRobot, Header, Message, Order, Parameter, RobotSetup, TopicKind, Version, read, write,
 };
@@ -30,8 +31,12 @@ struct Pair {
     session: RobotSession,
     number: Option<RobotId>,
     joined_at: Option<Time>,
-    /// Messages on their way to the robot, with their arrival.
+    /// Messages on their way, with their arrival.
     to_robot: Vec<(Time, Message)>,
+    to_fleet: Vec<(Time, Message, MessageStamp)>,
+    /// The number of the robot's next message.
+    next: u32,
+    settings: RobotLinkSettings,
     told: Vec<(Time, TopicKind, Message)>,
     noticed: Vec<Notice>,
     watch: OrderWatch,
@@ -66,6 +71,33 @@ struct LinkFloor {
     picks: BTreeMap<RobotId, Time>,
     /// How long messages travel.
     delay: Span,
+    /// What else happens to messages.
+    chance: Chance,
+}
+
+/// Faults of the transport, drawn from a seed.
+#[derive(Default)]
+struct Chance {
+    state: u64,
+    /// Shares of messages that are lost and doubled, and the most that one is late, milliseconds.
+    lost: f64,
+    doubled: f64,
+    late_ms: f64,
+}
+
+impl Chance {
+    /// A number from 0 to 1: the generator is Knuth's, its upper bits are used.
+    fn unit(&mut self) -> f64 {
+        self.state =
+            self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.state >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// How late each copy of a message is.
+    fn copies(&mut self) -> Vec<Span> {
+        let copies = if self.unit() < self.lost { 0 } else { 1 + usize::from(self.unit() < self.doubled) };
+        (0..copies).map(|_| Span::from_millis((self.unit() * self.late_ms) as i64)).collect()
+    }
 }
 
 fn settings() -> RobotLinkSettings {
@@ -105,6 +137,7 @@ impl LinkFloor {
             ended: BTreeMap::new(),
             picks: BTreeMap::new(),
             delay: Span::from_millis(100),
+            chance: Chance::default(),
         };
         let map = floor.map();
         let places =
@@ -125,13 +158,19 @@ impl LinkFloor {
         setup.position.map = FLOOR.into();
         setup.last_node = place.name.clone();
         setup.serial = format!("r{}", self.pairs.len());
-        let session = RobotSession::new(setup.version, settings(), self.map(), self.boot);
+        let mut settings = settings();
+        // Robot C says always that it does not know where it is.
+        settings.needs_localized = setup.quirks.localized_flag == LocalizedFlag::Reported;
+        let session = RobotSession::new(setup.version, settings.clone(), self.map(), self.boot);
         self.pairs.push(Pair {
             robot: EmbodiedRobot::new(setup),
             session,
             number: None,
             joined_at: None,
             to_robot: Vec::new(),
+            to_fleet: Vec::new(),
+            next: 0,
+            settings,
             told: Vec::new(),
             noticed: Vec::new(),
             watch: OrderWatch::default(),
@@ -164,7 +203,17 @@ impl LinkFloor {
             pair.to_robot.extract_if(.., |(at, _)| *at <= now).map(|(_, message)| message).collect();
         let version = pair.session.version();
         for said in pair.robot.step(now.0, &arrived) {
-            let Some(heard) = heard(travel(said.topic, &said.message, version)) else { continue };
+            let stamp = MessageStamp { id: pair.next, timestamp: format!("{:020}", now.0) };
+            pair.next += 1;
+            for late in self.chance.copies() {
+                pair.to_fleet.push((now + late, travel(said.topic, &said.message, version), stamp.clone()));
+            }
+        }
+        let mut arrived: Vec<(Time, Message, MessageStamp)> =
+            pair.to_fleet.extract_if(.., |(at, ..)| *at <= now).collect();
+        arrived.sort_by_key(|(at, ..)| *at);
+        for (_, message, stamp) in arrived {
+            let Some(heard) = heard(message, stamp) else { continue };
             let out = self.pairs[i].session.hear(now, heard);
             self.take(i, out, inputs);
         }
@@ -208,7 +257,10 @@ impl LinkFloor {
             if let Message::Order(order) = &told.message {
                 pair.watch.see(order);
             }
-            pair.to_robot.push((arrives, travel(told.kind, &told.message, pair.session.version())));
+            let message = travel(told.kind, &told.message, pair.session.version());
+            for late in self.chance.copies() {
+                pair.to_robot.push((arrives + late, message.clone()));
+            }
         }
     }
 
@@ -375,10 +427,10 @@ fn travel(kind: TopicKind, message: &Message, version: Version) -> Message {
     said.message
 }
 
-fn heard(message: Message) -> Option<RobotHeard> {
+fn heard(message: Message, stamp: MessageStamp) -> Option<RobotHeard> {
     match message {
-        Message::State(state) => Some(RobotHeard::State(state)),
-        Message::Visualization(seen) => Some(RobotHeard::Visualization(seen)),
+        Message::State(state) => Some(RobotHeard::State(state, stamp)),
+        Message::Visualization(seen) => Some(RobotHeard::Visualization(seen, stamp)),
         Message::Connection(connection) => Some(RobotHeard::Connection(connection)),
         Message::Factsheet(factsheet) => Some(RobotHeard::Factsheet(factsheet)),
         Message::Order(_) | Message::InstantActions(_) => None,

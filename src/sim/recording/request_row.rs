@@ -10,8 +10,8 @@ use super::kind_row::KindRow;
 use super::said_row::Says;
 use giveway_fleet::{
     Asker, AssignmentRequest, Binds, ClientKey, Closure, FloorAction, Input, JobAction, JobChange,
-    JobRequest, LinkState, LocalClock, Recurrence, RecurringClosure, Request, RobotAction, Token, USUAL_KIND,
-    Weekdays, WorkerAction,
+    JobRequest, LinkState, LocalClock, ObeyedLimits, Recurrence, RecurringClosure, Request, RobotAction,
+    Token, USUAL_KIND, Weekdays, WorkerAction,
 };
 use giveway_floor::geometry::Spot;
 use giveway_floor::id::{
@@ -37,6 +37,8 @@ pub(super) enum RequestRow {
     RegisterAt(String, u32, String, String),
     /// Robot, whether it is connected, how many visits it holds, why it takes no orders.
     Link(u32, bool, Option<usize>, Option<String>),
+    /// The same, the most that it obeys of speed limits, and the stop at which it failed.
+    Linked(u32, bool, Option<usize>, Option<String>, String, Option<u64>),
     Maintain(u64, u32, bool),
     Retire(u64, u32),
     TakeRack(u64, u32, u32),
@@ -164,8 +166,14 @@ impl RequestRow {
 
     /// The row for the state of a robot's link.
     pub fn link(robot: RobotId, state: &LinkState) -> RequestRow {
-        let LinkState { connected, capacity, refuses } = state.clone();
-        RequestRow::Link(robot.0, connected, capacity, refuses)
+        let LinkState { connected, capacity, refuses, limits, failed_stop } = state.clone();
+        match (limits, failed_stop) {
+            (ObeyedLimits::Speeds, None) => RequestRow::Link(robot.0, connected, capacity, refuses),
+            _ => {
+                let limits = limits.word().to_owned();
+                RequestRow::Linked(robot.0, connected, capacity, refuses, limits, failed_stop)
+            }
+        }
     }
 
     /// The input of this row.
@@ -176,7 +184,11 @@ impl RequestRow {
             RequestRow::RegisterAs(name, node, kind) => joins((name, kind, None), node),
             RequestRow::RegisterAt(name, node, kind, link) => joins((name, kind, Some(link)), node),
             RequestRow::Link(robot, connected, capacity, refuses) => {
-                linked(robot, (connected, capacity, refuses))
+                linked(robot, (connected, capacity, refuses), (ObeyedLimits::Speeds, None))
+            }
+            RequestRow::Linked(robot, connected, capacity, refuses, limits, failed_stop) => {
+                let limits = ObeyedLimits::of_word(&limits).unwrap_or(ObeyedLimits::Nothing);
+                linked(robot, (connected, capacity, refuses), (limits, failed_stop))
             }
             RequestRow::Maintain(token, robot, begins) => ask(token, maintained(robot, begins).into()),
             RequestRow::Retire(token, robot) => ask(token, RobotAction::Retire(RobotId(robot)).into()),
@@ -250,8 +262,12 @@ fn cleared(worker: u32, by: String) -> WorkerAction {
 }
 
 /// The input for the state of a robot's link.
-fn linked(robot: u32, (connected, capacity, refuses): (bool, Option<usize>, Option<String>)) -> Input {
-    Input::Link(RobotId(robot), LinkState { connected, capacity, refuses })
+fn linked(
+    robot: u32,
+    (connected, capacity, refuses): (bool, Option<usize>, Option<String>),
+    (limits, failed_stop): (ObeyedLimits, Option<u64>),
+) -> Input {
+    Input::Link(RobotId(robot), LinkState { connected, capacity, refuses, limits, failed_stop })
 }
 
 /// Registers a robot. The reply was given when this was recorded.

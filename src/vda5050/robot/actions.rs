@@ -310,6 +310,9 @@ impl VirtualRobot {
         }
         let text = |key: &str| parameter(action, key).and_then(Value::as_str).map(str::to_owned);
         let (id, kind) = (text("loadId"), text("loadType"));
+        if self.setup.quirks.order_actions == OrderActionHabit::ClaimedNotDone {
+            return Ok(());
+        }
         self.equipment.nameless += u32::from(id.is_none());
         let id = id.unwrap_or_else(|| format!("load-{}", self.equipment.nameless));
         self.equipment.loads.push(Load { id: Some(id), kind });
@@ -317,6 +320,9 @@ impl VirtualRobot {
     }
 
     fn set_down(&mut self) -> Result<(), &'static str> {
+        if self.setup.quirks.order_actions == OrderActionHabit::ClaimedNotDone {
+            return Ok(());
+        }
         if self.equipment.has_handling_fault {
             return Err("there is no room for the load");
         }

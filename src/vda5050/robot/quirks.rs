@@ -303,6 +303,8 @@ pub enum OrderActionHabit {
     DoneEvenUnknown,
     /// No action is done, none is listed, and the order ends as done: robot C.
     SkippedInSilence,
+    /// Each action is said to be done and nothing is: what an integrator in a hurry writes.
+    ClaimedNotDone,
 }
 
 /// Which parameters `pick` and `drop` need.

@@ -63,7 +63,7 @@ pub struct RobotLinkDto {
 
 impl From<&RobotView> for RobotLinkDto {
     fn from(row: &RobotView) -> RobotLinkDto {
-        let LinkState { connected, capacity, refuses } = row.link_state.clone().unwrap_or_default();
+        let LinkState { connected, capacity, refuses, .. } = row.link_state.clone().unwrap_or_default();
         RobotLinkDto { name: row.link.clone(), connected, capacity, refuses }
     }
 }

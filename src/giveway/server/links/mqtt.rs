@@ -13,7 +13,9 @@ use giveway_floor::text::Sentence;
 use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
-use giveway_links::vda5050::{NotReady, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, Told};
+use giveway_links::vda5050::{
+    MessageStamp, NotReady, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, Told,
+};
 use giveway_site::{InstantKey, ListedRobot, MQTT_LINK, MqttLink};
 use giveway_vda5050::{Address, Header, Message, TopicKind, Version, read, write};
 use std::collections::{BTreeMap, VecDeque};
@@ -334,10 +336,11 @@ impl MqttRobots {
             let robot = RobotHere { exchanged, ..self.begin_session(before.listed, version) };
             self.robots.insert(address.clone(), robot);
         }
+        let stamp = MessageStamp { id: header.id, timestamp: header.timestamp };
         match message {
-            Message::State(state) => Some(RobotHeard::State(state)),
+            Message::State(state) => Some(RobotHeard::State(state, stamp)),
             Message::Connection(connection) => Some(RobotHeard::Connection(connection)),
-            Message::Visualization(seen) => Some(RobotHeard::Visualization(seen)),
+            Message::Visualization(seen) => Some(RobotHeard::Visualization(seen, stamp)),
             Message::Factsheet(factsheet) => Some(RobotHeard::Factsheet(factsheet)),
             Message::Order(_) | Message::InstantActions(_) => None,
         }

@@ -11,9 +11,10 @@ impl LinkFloor {
         let map = self.map();
         for pair in &mut self.pairs {
             pair.session =
-                RobotSession::new(pair.session.version(), super::settings(), map.clone(), self.boot);
+                RobotSession::new(pair.session.version(), pair.settings.clone(), map.clone(), self.boot);
             pair.number = None;
             pair.to_robot.clear();
+            pair.to_fleet.clear();
         }
         self.picks.clear();
     }
@@ -30,5 +31,17 @@ fn a_process_that_dies_again_and_again_knows_its_own_orders_and_no_job_is_done_t
             floor.restart();
         }
         floor.until_done(&jobs, 1800);
+    }
+}
+
+#[test]
+fn messages_that_are_lost_doubled_late_and_overtaken_change_no_outcome() {
+    for seed in 1..=12 {
+        let setups = vec![standard(Version::V2_0), standard(Version::V2_1), standard(Version::V3_0)];
+        let mut floor = LinkFloor::new(lab(), setups);
+        floor.chance = Chance { state: seed, lost: 0.05, doubled: 0.1, late_ms: 400.0 };
+        floor.all_joined();
+        let jobs = floor.submit_deliveries(8);
+        floor.until_done(&jobs, 3600);
     }
 }
