@@ -75,6 +75,11 @@ pub(super) enum UpdateLife {
 }
 
 impl LegOrder {
+    /// Whether the order is one of an earlier process that announces nothing: its last node may have an action.
+    fn is_closed(&self) -> bool {
+        self.message.is_none() && !self.announces
+    }
+
     /// The serial number of the visit with a sequence number.
     pub fn serial(&self, sequence: u32) -> u64 {
         self.first + u64::from(sequence / 2)
@@ -100,8 +105,8 @@ impl RobotSession {
         if !(progress.reached..=granted).contains(&reached) {
             return;
         }
-        let has_ended = state.nodes.is_empty() && state.edges.is_empty();
-        let base = if has_ended { reached } else { granted };
+        let left = state.nodes.iter().filter(|node| node.released).map(|node| node.sequence).max();
+        let base = left.map_or(reached, |sequence| first + u64::from(sequence / 2)).clamp(reached, granted);
         (progress.reached, progress.known) = (reached, base);
         self.order = OrderLife::Has(LegOrder {
             id: state.order.clone(),
@@ -111,7 +116,7 @@ impl RobotSession {
             known: base,
             sent: UpdateLife::Taken,
             nodes: vec![None; (base + 1).saturating_sub(first) as usize],
-            announces: !has_ended,
+            announces: state.nodes.iter().any(|node| !node.released),
             act: None,
             complaints: Vec::new(),
             message: None,
@@ -190,9 +195,31 @@ impl RobotSession {
             OrderLife::Idle if end > reached || acts => self.send_leg(now, &wanted, end),
             OrderLife::Has(leg) if leg.sent != UpdateLife::Taken => self.mind_update(now),
             OrderLife::Has(leg) if leg.act.is_some() => {}
+            OrderLife::Has(leg) if leg.is_closed() => {
+                if reached == leg.base && self.has_driven_all() {
+                    self.go_on_from_closed(now, &wanted, (end, acts));
+                }
+            }
             OrderLife::Has(leg) if end > leg.base => self.send_update(now, &wanted, end),
             OrderLife::Has(leg) if acts && reached == leg.base => self.act_where_it_stands(now, &wanted),
             OrderLife::Idle | OrderLife::Has(_) | OrderLife::Cancels { .. } => {}
+        }
+    }
+
+    /// Whether the robot has nothing left to drive, as it says.
+    fn has_driven_all(&self) -> bool {
+        self.state.as_ref().is_some_and(|(_, state)| state.nodes.is_empty() && state.edges.is_empty())
+    }
+
+    /// The robot has driven an order of an earlier process, which may have ended with an action: no update is stitched
+    /// there.
+    fn go_on_from_closed(&mut self, now: Time, wanted: &WantedDrive, (end, acts): (u64, bool)) {
+        if acts {
+            return self.act_where_it_stands(now, wanted);
+        }
+        if self.progress.as_ref().is_some_and(|p| end > p.reached) {
+            self.order = OrderLife::Idle;
+            self.send_leg(now, wanted, end);
         }
     }
 
