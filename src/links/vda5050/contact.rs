@@ -82,6 +82,12 @@ impl RobotSession {
         })
     }
 
+    /// Why the robot cannot be booked where it stands; nothing if it can. Whether it obeys is another question: a robot
+    /// that stands somewhere is in others' way whether it obeys or not.
+    pub fn not_placed(&self, now: Time) -> Option<NotReady> {
+        self.unreachable(now).or_else(|| self.unfit())
+    }
+
     /// An operator agrees that the robot drives although it does not pause.
     pub fn consent(&mut self) {
         if matches!(self.obedience, Obedience::Failed(_)) {
@@ -172,6 +178,11 @@ impl RobotSession {
             return;
         }
         match self.obedience.clone() {
+            // What an earlier process paused goes on, and what a person paused waits for that person.
+            Obedience::Unproven if self.is_paused_by_hand() => {}
+            Obedience::Unproven if self.says_paused() => {
+                self.obedience = Obedience::GoesOn(self.ask(now, STOP_PAUSE));
+            }
             Obedience::Unproven if self.motion.stands() => {
                 self.obedience = Obedience::Pauses(self.ask(now, START_PAUSE));
             }
@@ -213,8 +224,16 @@ impl RobotSession {
         }
     }
 
+    /// Whether the first contact is over.
+    pub(super) fn has_proven(&self) -> bool {
+        matches!(self.obedience, Obedience::Proven | Obedience::Consented)
+    }
+
     /// Asks for an instant action without parameters.
     pub(super) fn ask(&mut self, now: Time, kind: &str) -> Asked {
+        if kind == START_PAUSE {
+            self.pause.told = Some(now);
+        }
         let id = self.new_id();
         self.instant(kind, &id, Vec::new());
         Asked { id, since: now, last: now, tries: 1 }

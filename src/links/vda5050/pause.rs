@@ -23,6 +23,9 @@ pub(super) struct PauseLife {
     /// Whether the fleet wants the robot to stand.
     pub wanted: bool,
     pub stage: PauseStage,
+    /// Since when the robot says that it is paused, and when a pause was told last.
+    pub since: Option<Time>,
+    pub told: Option<Time>,
 }
 
 /// How far a robot is with a pause.
@@ -47,12 +50,31 @@ impl RobotSession {
         matches!(self.pause.stage, PauseStage::Stands(_))
     }
 
-    /// Whether somebody has paused the robot where it is.
+    /// Whether somebody has paused the robot where it is. Such a pause is not lifted from here.
     pub fn is_paused_by_hand(&self) -> bool {
-        let paused = self.state.as_ref().is_some_and(|(_, state)| state.paused == Some(true));
         let ours = self.pause.stage != PauseStage::Drives
-            || matches!(self.obedience, Obedience::Pauses(_) | Obedience::GoesOn(_));
-        paused && !ours
+            || matches!(self.obedience, Obedience::Pauses(_) | Obedience::GoesOn(_))
+            || self.is_own_pause();
+        self.says_paused() && !ours
+    }
+
+    /// Whether a pause of the robot is ours although we do not want it any more: it came just after we had told one, or
+    /// it is from an earlier process, and the robot still lists that process' action.
+    fn is_own_pause(&self) -> bool {
+        const JUST: Span = Span::from_secs(3);
+        let Some(since) = self.pause.since else { return false };
+        match self.pause.told {
+            Some(told) => since - told <= JUST,
+            None => self.state.as_ref().is_some_and(|(_, state)| {
+                let all = state.actions.iter().chain(&state.instant_actions);
+                all.into_iter().any(|a| a.kind.as_deref() == Some(START_PAUSE) && a.id.starts_with("gw-"))
+            }),
+        }
+    }
+
+    /// Notes in a state since when the robot is paused.
+    pub(super) fn note_paused(&mut self, now: Time) {
+        self.pause.since = if self.says_paused() { self.pause.since.or(Some(now)) } else { None };
     }
 
     /// Tells the robot to stand or to go on, as the fleet wants, until it does.
@@ -78,11 +100,14 @@ impl RobotSession {
                 Some(Ok(()) | Err(_)) => self.pause.stage = PauseStage::Drives,
                 None => self.tell_again(now, asked, STOP_PAUSE),
             },
+            (false, PauseStage::Drives) if self.is_own_pause() && self.has_proven() => {
+                self.pause.stage = PauseStage::GoesOn(self.ask(now, STOP_PAUSE));
+            }
             (true, PauseStage::Failed) | (false, PauseStage::Drives) => {}
         }
     }
 
-    fn says_paused(&self) -> bool {
+    pub(super) fn says_paused(&self) -> bool {
         self.state.as_ref().is_some_and(|(_, state)| state.paused == Some(true))
     }
 
@@ -99,6 +124,9 @@ impl RobotSession {
             return;
         }
         (asked.last, asked.tries) = (now, asked.tries + 1);
+        if kind == START_PAUSE {
+            self.pause.told = Some(now);
+        }
         let id = asked.id.clone();
         self.instant(kind, &id, Vec::new());
         self.pause.stage = match kind {

@@ -285,6 +285,7 @@ impl RobotSession {
         self.other_version = None;
         self.see(now, state.position.as_ref(), state.velocity);
         self.state = Some((now, state));
+        self.note_paused(now);
         self.adopt();
         self.note_order(now);
         self.note_act(now);

@@ -383,11 +383,11 @@ impl MqttRobots {
         }
     }
 
-    /// A robot that is ready and has not joined asks to.
+    /// A robot that stands on a node asks to join: it is in others' way whether it obeys yet or not.
     fn ask_to_join(&mut self, now: Time, address: &Address, ledger: &Ledger) {
         let Some(here) = self.robots.get_mut(address) else { return };
         let waits = here.asked_to_join.is_some_and(|asked| now - asked < JOINS_AGAIN);
-        if here.number.is_some() || waits || here.session.not_ready(now).is_some() {
+        if here.number.is_some() || waits || here.session.not_placed(now).is_some() {
             return;
         }
         let Some(node) = here.session.node() else { return };

@@ -4,16 +4,19 @@ use super::*;
 use giveway_vda5050::robot::OrderActionHabit;
 
 #[test]
-fn a_robot_that_fails_to_pause_does_not_join_until_an_operator_agrees() {
+fn a_robot_that_fails_to_pause_gets_no_orders_until_an_operator_agrees() {
     let mut floor = LinkFloor::new(lab(), vec![RobotSetup::like_c()]);
     floor.run(20);
     let not_ready = floor.pairs[0].session.not_ready(floor.now);
     assert!(matches!(not_ready, Some(NotReady::NoPause(_))), "{not_ready:?}");
-    assert_eq!(floor.pairs[0].number, None);
-    floor.pairs[0].session.consent();
-    floor.all_joined();
-    let robot = floor.pairs[0].number.expect("it has joined");
+    let robot = floor.pairs[0].number.expect("it has joined: it is in others' way");
     let link = floor.fleet.link_state(robot).expect("its link has said so");
+    assert!(link.refuses.as_ref().is_some_and(|why| why.contains("does not pause")), "{link:?}");
+    floor.pairs[0].session.consent();
+    floor.all_ready();
+    floor.run(1);
+    let link = floor.fleet.link_state(robot).expect("its link has said so");
+    assert_eq!(link.refuses, None);
     assert_eq!(link.limits, ObeyedLimits::Nothing, "it is granted one node at a time");
 }
 
@@ -22,7 +25,7 @@ fn is_named(version: Version, habit: OrderActionHabit, said: &str) {
     let mut liar = standard(version);
     liar.quirks.order_actions = habit;
     let mut floor = LinkFloor::new(thesis(), vec![liar, standard(version), standard(version)]);
-    floor.all_joined();
+    floor.all_ready();
     let jobs = floor.submit_deliveries(8);
     let begun = floor.now;
     floor.until(120, "the lie is noticed", |f| !f.pairs[0].noticed.is_empty());

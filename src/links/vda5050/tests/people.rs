@@ -6,7 +6,7 @@ use giveway_fleet::Command;
 #[test]
 fn a_stop_is_a_pause_in_the_same_turn_and_ends_with_one() {
     let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_0)]);
-    floor.all_joined();
+    floor.all_ready();
     floor.submit_deliveries(1);
     floor.until(30, "it drives", |f| f.pairs[0].speed_mps() > 0.5);
     let now = floor.now;
