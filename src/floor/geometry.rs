@@ -41,6 +41,7 @@ impl From<Spot> for Point {
 }
 
 /// Metres as whole millimetres.
+#[inline]
 pub fn to_mm(metres: f64) -> i64 {
     (metres * 1000.0).round() as i64
 }
@@ -64,6 +65,7 @@ pub struct Segment {
 }
 
 /// The angle `a` brought into `(-π, π]`.
+#[inline]
 pub fn wrap_angle(a: f64) -> f64 {
     let two_pi = std::f64::consts::TAU;
     let r = a.rem_euclid(two_pi);
@@ -71,18 +73,21 @@ pub fn wrap_angle(a: f64) -> f64 {
 }
 
 /// The smaller angle between two headings, in `[0, π]`.
+#[inline]
 pub fn turn_between(from: f64, to: f64) -> f64 {
     wrap_angle(to - from).abs()
 }
 
 impl Segment {
     /// The heading from `a` to `b`, radians.
+    #[inline]
     pub fn heading(&self) -> f64 {
         let d = self.b - self.a;
         d.y.atan2(d.x)
     }
 
     /// Distance of a point from the nearest point of the segment, metres.
+    #[inline]
     pub fn distance_to(&self, p: Point) -> f64 {
         let along = self.b - self.a;
         let u = ((p - self.a).dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
@@ -90,11 +95,13 @@ impl Segment {
     }
 
     /// The length, metres.
+    #[inline]
     pub fn length(&self) -> f64 {
         (self.b - self.a).norm()
     }
 
     /// The point at fraction `u` of the segment.
+    #[inline]
     pub fn point(&self, u: f64) -> Point {
         self.a + (self.b - self.a) * u
     }
@@ -102,6 +109,7 @@ impl Segment {
 
 /// The larger of the two axis distances between points: squares of side `s` along the axes around them
 /// overlap exactly if this is below `s`.
+#[inline]
 pub fn axis_distance(a: Point, b: Point) -> f64 {
     let d = a - b;
     d.x.abs().max(d.y.abs())
@@ -157,6 +165,7 @@ pub fn inside(polygon: &[Point], p: Point) -> bool {
 }
 
 /// Whether a straight segment runs through the polygon, or begins or ends in it.
+#[inline]
 pub fn runs_through(polygon: &[Point], s: Segment) -> bool {
     let sides = (0..polygon.len()).map(|i| Segment { a: polygon[i], b: polygon[(i + 1) % polygon.len()] });
     inside(polygon, s.a) || inside(polygon, s.b) || sides.into_iter().any(|side| cross_inside(side, s))

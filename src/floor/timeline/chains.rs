@@ -12,21 +12,25 @@ pub(super) struct Chains(Vec<Option<Chain>>);
 
 impl Chains {
     /// The chain of a holder.
+    #[inline]
     pub fn get(&self, holder: &RobotId) -> Option<&Chain> {
         self.0.get(holder.ix())?.as_ref()
     }
 
     /// The chain of a holder, to change it.
+    #[inline]
     pub fn get_mut(&mut self, holder: &RobotId) -> Option<&mut Chain> {
         self.0.get_mut(holder.ix())?.as_mut()
     }
 
     /// Whether a holder has a chain.
+    #[inline]
     pub fn contains_key(&self, holder: &RobotId) -> bool {
         self.get(holder).is_some()
     }
 
     /// Sets the chain of a holder in place of the earlier one.
+    #[inline]
     pub fn insert(&mut self, holder: RobotId, chain: Chain) {
         if self.0.len() <= holder.ix() {
             self.0.resize_with(holder.ix() + 1, || None);
@@ -35,11 +39,13 @@ impl Chains {
     }
 
     /// Removes the chain of a holder.
+    #[inline]
     pub fn remove(&mut self, holder: &RobotId) -> Option<Chain> {
         self.0.get_mut(holder.ix())?.take()
     }
 
     /// All chains, in the order of holders.
+    #[inline]
     pub fn iter(&self) -> impl Iterator<Item = (RobotId, &Chain)> {
         self.0.iter().enumerate().filter_map(|(i, chain)| Some((RobotId::at(i), chain.as_ref()?)))
     }

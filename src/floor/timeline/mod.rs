@@ -65,11 +65,13 @@ pub struct Visit {
 
 impl Visit {
     /// The window in which the node is held.
+    #[inline]
     pub fn window(&self) -> Window {
         Window::new(self.enter, self.leave)
     }
 
     /// How much of a delay this visit absorbs by waiting less.
+    #[inline]
     pub fn slack(&self) -> Span {
         if self.depart.is_forever() { Span::MAX } else { self.depart - self.arrive - self.stay }
     }
@@ -85,11 +87,13 @@ pub struct Reserved {
 
 impl Reserved {
     /// The holder.
+    #[inline]
     pub fn holder(&self) -> RobotId {
         self.holder
     }
 
     /// Serial numbers of the visits, see [`Chain::serial_of`].
+    #[inline]
     pub fn serials(&self) -> std::ops::Range<u64> {
         self.first..self.first + self.count as u64
     }
@@ -125,41 +129,49 @@ pub struct Chain {
 
 impl Chain {
     /// Whether the holder has left the floor.
+    #[inline]
     pub fn is_absent(&self) -> bool {
         self.absent
     }
 
     /// Serial number of the visit at `index`.
+    #[inline]
     pub fn serial_of(&self, index: usize) -> u64 {
         self.first + index as u64
     }
 
     /// Serial number of the oldest visit still held.
+    #[inline]
     pub fn first(&self) -> u64 {
         self.first
     }
 
     /// One past the serial number of the last visit.
+    #[inline]
     pub fn end(&self) -> u64 {
         self.first + self.visits.len() as u64
     }
 
     /// One past the serial number of the last granted visit.
+    #[inline]
     pub fn granted(&self) -> u64 {
         self.granted
     }
 
     /// The visit with this serial number, if it is still held.
+    #[inline]
     pub fn get(&self, serial: u64) -> Option<&Visit> {
         self.visits.get(usize::try_from(serial.checked_sub(self.first)?).ok()?)
     }
 
     /// The visits still held, oldest first.
+    #[inline]
     pub fn visits(&self) -> impl DoubleEndedIterator<Item = &Visit> + ExactSizeIterator {
         self.visits.iter()
     }
 
     /// The last visit.
+    #[inline]
     pub fn last(&self) -> Option<&Visit> {
         self.visits.back()
     }
@@ -203,6 +215,7 @@ impl Timeline {
     }
 
     /// The building.
+    #[inline]
     pub fn warehouse(&self) -> &Arc<Warehouse> {
         &self.warehouse
     }
@@ -226,21 +239,25 @@ impl Timeline {
     }
 
     /// The kind of a holder.
+    #[inline]
     pub fn body(&self, holder: RobotId) -> BodyId {
         self.bodies.get(holder.ix()).copied().unwrap_or(BodyId(0))
     }
 
     /// The timeline of a resource that a holder uses, without or with a rack.
+    #[inline]
     pub fn line(&self, holder: RobotId, loaded: bool, r: ResourceId) -> LineId {
         self.warehouse.line(self.body(holder), loaded, r)
     }
 
     /// All holders with their visits; for one that has left the floor, the place where it stood last.
+    #[inline]
     pub fn chains(&self) -> impl Iterator<Item = (RobotId, &Chain)> {
         self.chains.iter()
     }
 
     /// The visits of one holder.
+    #[inline]
     pub fn chain(&self, holder: RobotId) -> Option<&Chain> {
         self.chains.get(&holder)
     }
@@ -399,6 +416,7 @@ impl Timeline {
     }
 
     /// The proof that a holder may drive up to its last granted visit.
+    #[inline]
     pub fn granted(&self, holder: RobotId) -> Option<Reserved> {
         let chain = self.chains.get(&holder)?;
         Some(Reserved { holder, first: chain.first, count: (chain.granted - chain.first) as usize })

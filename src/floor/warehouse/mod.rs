@@ -60,11 +60,13 @@ pub enum NodeKind {
 
 impl NodeKind {
     /// Whether a robot may stay here for ever without being in another robot's way (DESIGN §5, invariant a).
+    #[inline]
     pub fn is_lasting(self) -> bool {
         matches!(self, NodeKind::Storage | NodeKind::Charger | NodeKind::Parking)
     }
 
     /// The station, if only robots bound for one station may enter.
+    #[inline]
     pub fn reserved_for(self) -> Option<StationId> {
         match self {
             NodeKind::Station(s) | NodeKind::Queue(s) => Some(s),
@@ -107,6 +109,7 @@ impl Users {
     pub const PEOPLE: Users = Users { loaded: false, unloaded: false, people: true };
 
     /// Whether a robot may use the lane, with or without a rack.
+    #[inline]
     pub fn allows(self, loaded: bool) -> bool {
         if loaded { self.loaded } else { self.unloaded }
     }
@@ -173,6 +176,7 @@ pub struct Way {
 
 impl Way {
     /// Whether robots of a kind may drive the arc.
+    #[inline]
     pub fn is_for(&self, body: BodyId) -> bool {
         self.bodies >> body.ix() & 1 == 1
     }
@@ -254,43 +258,51 @@ pub struct Warehouse {
 
 impl Warehouse {
     /// The arcs that leave `n`.
+    #[inline]
     pub fn out(&self, n: NodeId) -> impl Iterator<Item = (ArcId, &Arc)> {
         let (from, to) = (self.out_start[n.ix()] as usize, self.out_start[n.ix() + 1] as usize);
         (from..to).map(|i| (ArcId::at(i), &self.arcs[ArcId::at(i)]))
     }
 
     /// The arcs that leave `n`, packed.
+    #[inline]
     pub fn ways(&self, n: NodeId) -> impl Iterator<Item = (ArcId, Way)> {
         let (from, to) = (self.out_start[n.ix()] as usize, self.out_start[n.ix() + 1] as usize);
         (from..to).map(|i| (ArcId::at(i), self.ways[ArcId::at(i)]))
     }
 
     /// The purpose of a node, without the rest of it.
+    #[inline]
     pub fn kind(&self, n: NodeId) -> NodeKind {
         self.kinds[n]
     }
 
     /// The distinct headings with which a robot can arrive at `n`, radians.
+    #[inline]
     pub fn headings(&self, n: NodeId) -> &[f64] {
         &self.headings[n]
     }
 
     /// The node as a resource.
+    #[inline]
     pub fn node_resource(&self, n: NodeId) -> ResourceId {
         ResourceId(n.0)
     }
 
     /// The lane as a resource.
+    #[inline]
     pub fn lane_resource(&self, l: LaneId) -> ResourceId {
         ResourceId::at(self.nodes.len() + l.ix())
     }
 
     /// The node, or else the lane, of a resource.
+    #[inline]
     pub fn resource(&self, r: ResourceId) -> Result<NodeId, LaneId> {
         if r.ix() < self.nodes.len() { Ok(NodeId(r.0)) } else { Err(LaneId::at(r.ix() - self.nodes.len())) }
     }
 
     /// Number of nodes and lanes together.
+    #[inline]
     pub fn resource_count(&self) -> usize {
         self.nodes.len() + self.lanes.len()
     }
@@ -298,16 +310,19 @@ impl Warehouse {
     /// The resources that no other robot may hold while `r` is held, without `r` itself, if both robots take the square
     /// of the map (see [`Warehouse::lines_in_conflict`] for others). A lane's own end nodes are not included: a robot
     /// that drives a lane holds both ends anyway, so most lanes have no conflicts at all.
+    #[inline]
     pub fn conflicts(&self, r: ResourceId) -> &[ResourceId] {
         &self.conflicts[r]
     }
 
     /// Whether driving the lane needs nothing beyond its two ends, so that it needs no timeline.
+    #[inline]
     pub fn lane_is_free_of_conflicts(&self, l: LaneId) -> bool {
         self.lines_of(self.lane_resource(l)).all(|line| self.lines[line].is_empty())
     }
 
     /// Number of resources that need a timeline of their own: all nodes, and the lanes that reach beyond their ends.
+    #[inline]
     pub fn timeline_count(&self) -> usize {
         self.nodes.len() + self.lanes.ids().filter(|l| !self.lane_is_free_of_conflicts(*l)).count()
     }
@@ -324,37 +339,44 @@ impl Warehouse {
     }
 
     /// The node with this name.
+    #[inline]
     pub fn node_named(&self, name: &str) -> Option<NodeId> {
         self.nodes.pairs().find(|(_, n)| n.name == name).map(|(i, _)| i)
     }
 
     /// The position of the mark with this name; every node is a mark, too.
+    #[inline]
     pub fn mark_named(&self, name: &str) -> Option<Point> {
         let mark = self.marks.iter().find(|m| m.name == name).map(|m| m.at);
         mark.or_else(|| self.node_named(name).map(|n| self.nodes[n].at))
     }
 
     /// The rack with this name.
+    #[inline]
     pub fn rack_named(&self, name: &str) -> Option<RackId> {
         self.racks.pairs().find(|(_, r)| r.name == name).map(|(i, _)| i)
     }
 
     /// The station with this name.
+    #[inline]
     pub fn station_named(&self, name: &str) -> Option<StationId> {
         self.stations.pairs().find(|(_, s)| s.name == name).map(|(i, _)| i)
     }
 
     /// Nodes of one kind.
+    #[inline]
     pub fn nodes_where(&self, keep: impl Fn(NodeKind) -> bool) -> Vec<NodeId> {
         self.nodes.pairs().filter(|(_, n)| keep(n.kind)).map(|(i, _)| i).collect()
     }
 
     /// The nodes no farther than `radius` (metres) from a point, by id.
+    #[inline]
     pub fn nodes_within(&self, at: Point, radius: f64) -> Vec<NodeId> {
         self.near.within(at, radius).into_iter().map(|(i, _)| NodeId::at(i)).collect()
     }
 
     /// Calls `each` with the nodes no farther than `radius` (metres) from a point, in no stated order.
+    #[inline]
     pub fn each_node_within(&self, at: Point, radius: f64, mut each: impl FnMut(NodeId)) {
         self.near.each_within(at, radius, |i, _| each(NodeId::at(i)));
     }

@@ -203,6 +203,7 @@ impl Ledger {
     }
 
     /// All kinds of robots: those of the site, and those that were added.
+    #[inline]
     pub fn kinds(&self) -> &RobotKinds {
         &self.kinds
     }
@@ -219,16 +220,19 @@ impl Ledger {
     }
 
     /// The building, for all kinds of robots.
+    #[inline]
     pub fn warehouse(&self) -> &Arc<Warehouse> {
         self.timeline.warehouse()
     }
 
     /// The visits of a robot.
+    #[inline]
     pub fn chain(&self, robot: RobotId) -> &Chain {
         self.timeline.chain(robot).expect("every robot stands somewhere")
     }
 
     /// The node on which a robot stands or which it passed last.
+    #[inline]
     pub fn node_of(&self, robot: RobotId) -> NodeId {
         self.chain(robot).visits().next().expect("every robot stands somewhere").node
     }
@@ -241,6 +245,7 @@ impl Ledger {
     }
 
     /// The rack on a robot.
+    #[inline]
     pub fn rack_on(&self, robot: RobotId) -> Option<RackId> {
         let rack = self.robots[robot].task.carried()?;
         (self.racks[rack] == RackAt::On(robot)).then_some(rack)
@@ -253,6 +258,7 @@ impl Ledger {
     }
 
     /// All holds.
+    #[inline]
     pub fn timeline(&self) -> &Timeline {
         &self.timeline
     }
