@@ -74,8 +74,6 @@ pub enum LineEvent {
         topic: String,
         /// Its text.
         payload: Bytes,
-        /// Whether the broker had kept it.
-        retained: bool,
     },
     /// The line is down, and is tried again. The reason, in words.
     Down(String),
@@ -101,11 +99,6 @@ impl MqttLine {
     /// Sends a message, if the line is up and takes it now. Gives whether it did.
     pub fn send(&self, message: LineMessage) -> bool {
         self.is_up.load(Ordering::Relaxed) && self.outgoing.try_send(message).is_ok()
-    }
-
-    /// Whether the line is up.
-    pub fn is_up(&self) -> bool {
-        self.is_up.load(Ordering::Relaxed)
     }
 }
 
@@ -245,7 +238,7 @@ async fn connect_five(
                 }
                 Ok(Event::Incoming(Incoming::Publish(heard))) => {
                     let topic = String::from_utf8_lossy(&heard.topic).into_owned();
-                    let heard = LineEvent::Heard { topic, payload: heard.payload, retained: heard.retain };
+                    let heard = LineEvent::Heard { topic, payload: heard.payload };
                     if let Some(end) = pass_on(events, heard).await {
                         return end;
                     }
@@ -255,8 +248,10 @@ async fn connect_five(
                     other => LineEnd::Lost(format!("the broker ended the connection: {other:?}")),
                 },
                 Ok(_) => {}
-                Err(ConnectionError::MqttState(StateError::ServerDisconnect { reason_code, .. }))
-                    if reason_code == DisconnectReasonCode::SessionTakenOver => return LineEnd::Displaced,
+                Err(ConnectionError::MqttState(StateError::ServerDisconnect {
+                    reason_code: DisconnectReasonCode::SessionTakenOver,
+                    ..
+                })) => return LineEnd::Displaced,
                 Err(why) => return LineEnd::Lost(why.to_string()),
             },
             message = queue.recv() => {
@@ -318,7 +313,7 @@ async fn connect_three(
                 }
                 Ok(Event::Incoming(Incoming::Publish(heard))) => {
                     let heard =
-                        LineEvent::Heard { topic: heard.topic, payload: heard.payload, retained: heard.retain };
+                        LineEvent::Heard { topic: heard.topic, payload: heard.payload };
                     if let Some(end) = pass_on(events, heard).await {
                         return end;
                     }

@@ -30,7 +30,7 @@ pub struct Player {
 /// What one line of a recording did.
 pub enum Turn {
     /// A step at this time.
-    Step(Time, Step),
+    Step(Time, Box<Step>),
     /// The end of the recording.
     End {
         /// Whether the core reached the recorded digest.
@@ -76,7 +76,7 @@ impl Player {
                 let step = self.fleet.step(now, inputs);
                 self.digest.add(&step.facts);
                 self.steps += 1;
-                Ok(Turn::Step(now, step))
+                Ok(Turn::Step(now, Box::new(step)))
             }
             Played::End(hash) => Ok(Turn::End { same: hash == self.digest.value() }),
         }

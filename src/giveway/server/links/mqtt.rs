@@ -1,20 +1,20 @@
 //! Robots that speak VDA 5050: their sessions on one side, the line to the broker on the other.
 //!
-//! Main type: [`MqttRobots`]. Robots that the site lists join once they have shown that they obey; others that the broker
-//! knows are remembered, never driven. Refuses: to believe a message that names another robot than its topic.
+//! Main type: [`MqttRobots`]. Robots that the site lists join where they stand, and drive once they have shown that they
+//! obey; others that the broker knows are never driven. Refuses: to believe a message that names another robot than its topic.
 
 use crate::mqtt::{LineEvent, LineMessage, LineSetup, MqttLine, broker_of, is_loopback, tls_of};
 use anyhow::Context;
 use giveway_drive::{DriveAlarm, LinkOutput};
 use giveway_fleet::alarm::AlarmKind;
 use giveway_fleet::{Asker, Input, Ledger, Reply, RobotAction, Token};
-use giveway_floor::id::{Dense, NodeId, RobotId};
+use giveway_floor::id::{NodeId, RobotId};
 use giveway_floor::text::Sentence;
 use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_links::vda5050::{
-    MessageStamp, NotReady, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, Told,
+    MessageStamp, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, Told,
 };
 use giveway_site::{InstantKey, ListedRobot, MQTT_LINK, MqttLink};
 use giveway_vda5050::{Address, Header, Message, TopicKind, Version, read, write};
@@ -26,10 +26,8 @@ use tokio::sync::mpsc;
 
 /// Messages taken in one turn; the rest waits for the next.
 const AT_ONCE: usize = 2_000;
-/// Messages kept of each robot, both ways.
+/// Notices kept of each robot.
 const KEPT: usize = 200;
-/// Robots remembered that the site does not list.
-const MOST_UNLISTED: usize = 1_000;
 /// A robot asks to join again after this, if it was not taken.
 const JOINS_AGAIN: Span = Span::from_secs(5);
 /// The token of robots that ask to join.
@@ -46,19 +44,6 @@ const PASSWORD: &str = "GIVEWAY_MQTT_PASSWORD";
 const ALL_KINDS: [TopicKind; 4] =
     [TopicKind::State, TopicKind::Connection, TopicKind::Factsheet, TopicKind::Visualization];
 
-/// A message as it was said or heard.
-#[derive(Clone, Debug)]
-pub struct Exchanged {
-    /// When.
-    pub at: Time,
-    /// Its topic.
-    pub kind: TopicKind,
-    /// Its text.
-    pub text: String,
-    /// What was odd about it.
-    pub odd: Vec<String>,
-}
-
 /// A listed robot.
 struct RobotHere {
     listed: ListedRobot,
@@ -68,7 +53,6 @@ struct RobotHere {
     /// The number of the next message of each kind.
     next: BTreeMap<TopicKind, u32>,
     asked_to_join: Option<Time>,
-    exchanged: VecDeque<Exchanged>,
     noticed: VecDeque<(Time, Notice)>,
 }
 
@@ -96,7 +80,6 @@ pub struct MqttRobots {
     state: LineState,
     robots: BTreeMap<Address, RobotHere>,
     numbers: BTreeMap<RobotId, Address>,
-    unlisted: BTreeMap<Address, Time>,
     inputs: Vec<Input>,
     alarms: Vec<DriveAlarm>,
     /// Whether an alarm about claims is raised, and when one was noticed last.
@@ -149,7 +132,6 @@ impl MqttRobots {
         let mut all = MqttRobots {
             robots: BTreeMap::new(),
             numbers: BTreeMap::new(),
-            unlisted: BTreeMap::new(),
             state: LineState::Begins,
             inputs: Vec::new(),
             alarms: Vec::new(),
@@ -169,31 +151,9 @@ impl MqttRobots {
         all
     }
 
-    /// The state of the line to the broker.
-    pub fn line(&self) -> &LineState {
-        &self.state
-    }
-
     /// The topics to listen to.
     pub fn topics(interface: &str) -> Vec<String> {
         ALL_KINDS.iter().map(|kind| format!("{interface}/+/+/+/{}", kind.level())).collect()
-    }
-
-    /// Listed robots that have not joined, with the reason.
-    pub fn waiting(&self, now: Time) -> impl Iterator<Item = (&ListedRobot, Option<NotReady>)> {
-        let waiting = self.robots.values().filter(|robot| robot.number.is_none());
-        waiting.map(move |robot| (&robot.listed, robot.session.not_ready(now)))
-    }
-
-    /// Robots that the broker knows and the site does not list, and when they were heard last.
-    pub fn unlisted(&self) -> impl Iterator<Item = (&Address, Time)> {
-        self.unlisted.iter().map(|(address, at)| (address, *at))
-    }
-
-    /// The last messages of a robot, both ways, and what was noticed of it.
-    pub fn exchanged(&self, robot: RobotId) -> Option<(&VecDeque<Exchanged>, &VecDeque<(Time, Notice)>)> {
-        let here = self.robots.get(self.numbers.get(&robot)?)?;
-        Some((&here.exchanged, &here.noticed))
     }
 
     /// Everything that was heard since the last call.
@@ -251,9 +211,7 @@ impl MqttRobots {
                 self.state = LineState::Displaced(now);
                 self.alarms.push(DriveAlarm::Raise(AlarmKind::RobotsTakenOver, alarms::robots_taken_over()));
             }
-            LineEvent::Heard { topic, payload, retained } => {
-                self.take_message(now, &topic, &payload, retained)
-            }
+            LineEvent::Heard { topic, payload } => self.take_message(now, &topic, &payload),
         }
     }
 
@@ -285,26 +243,21 @@ impl MqttRobots {
         self.alarms.push(DriveAlarm::Raise(AlarmKind::RobotClaims, alarms::robot_claims(all)));
     }
 
-    fn take_message(&mut self, now: Time, topic: &str, payload: &[u8], retained: bool) {
+    fn take_message(&mut self, now: Time, topic: &str, payload: &[u8]) {
         let Some((address, level, kind)) = Address::of_topic(topic, &self.link.interface) else { return };
         if !self.robots.contains_key(&address) {
-            if !retained || self.unlisted.len() < MOST_UNLISTED {
-                self.unlisted.insert(address, now);
-            }
-            while self.unlisted.len() > MOST_UNLISTED {
-                self.unlisted.pop_first();
-            }
             return;
         }
-        let text = String::from_utf8_lossy(&payload[..payload.len().min(20_000)]).into_owned();
         let said = match read(kind, payload) {
             Ok(said) => said,
             Err(why) => {
-                return self.keep(&address, Exchanged { at: now, kind, text, odd: vec![why.to_string()] });
+                tracing::warn!(robot = %address, topic, "a message cannot be read: {why}");
+                return;
             }
         };
-        let odd = said.oddities.iter().map(ToString::to_string).collect();
-        self.keep(&address, Exchanged { at: now, kind, text, odd });
+        for odd in &said.oddities {
+            tracing::debug!(robot = %address, topic, "{odd}");
+        }
         let heard = self.meaning(&address, level, said.header, said.message);
         if let Some(heard) = heard {
             self.with(now, &address, |session| session.hear(now, heard));
@@ -332,8 +285,7 @@ impl MqttRobots {
         }
         if robot.session.version() != version && robot.number.is_none() {
             let before = self.robots.remove(address)?;
-            let exchanged = before.exchanged;
-            let robot = RobotHere { exchanged, ..self.begin_session(before.listed, version) };
+            let robot = self.begin_session(before.listed, version);
             self.robots.insert(address.clone(), robot);
         }
         let stamp = MessageStamp { id: header.id, timestamp: header.timestamp };
@@ -349,8 +301,8 @@ impl MqttRobots {
     fn begin_session(&self, listed: ListedRobot, version: Version) -> RobotHere {
         let form = self.link.kinds.get(&listed.kind).cloned().unwrap_or_default();
         let session = RobotSession::new(version, form, self.map.clone(), self.boot);
-        let (next, exchanged, noticed) = Default::default();
-        RobotHere { listed, session, number: None, next, asked_to_join: None, exchanged, noticed }
+        let (next, noticed) = Default::default();
+        RobotHere { listed, session, number: None, next, asked_to_join: None, noticed }
     }
 
     /// Takes robots that the ledger has, by their names, for those that have joined.
@@ -441,26 +393,15 @@ impl MqttRobots {
             let form = self.link.kinds.get(&here.listed.kind);
             name_actions(&mut text, form.map_or(InstantKey::Both, |form| form.instant_key));
         }
-        let text = text.to_string();
         let message = LineMessage {
             topic: address.topic(&self.link.interface, version, told.kind),
-            payload: text.clone().into_bytes(),
+            payload: text.to_string().into_bytes(),
             confirmed: self.link.qos > 0,
             retained: false,
             expires: Some(Duration::from_micros(told.expires.0.unsigned_abs())),
         };
-        let odd =
-            if self.line.send(message) { Vec::new() } else { vec!["not sent: the line is down".into()] };
-        self.keep(address, Exchanged { at: now, kind: told.kind, text, odd });
-    }
-
-    fn keep(&mut self, address: &Address, exchanged: Exchanged) {
-        if let Some(here) = self.robots.get_mut(address) {
-            here.exchanged.push_back(exchanged);
-            while here.exchanged.len() > KEPT {
-                here.exchanged.pop_front();
-            }
-        }
+        // What cannot be sent now is made anew when the line is back.
+        let _is_sent = self.line.send(message);
     }
 }
 
