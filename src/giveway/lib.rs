@@ -21,7 +21,7 @@
 //!     ↓
 //!   sim     a floor in memory; pure, too
 //!     ↓
-//!   store (journal)    api (HTTP, live feeds)    vda5050 (to come)
+//!   store (journal)    api (HTTP, live feeds)    links (sessions of robots)    vda5050 (its messages)
 //!     ↓
 //!   giveway  server (wiring, the clock)  cli (arguments, files, tables): the product
 //!     ↓
@@ -70,8 +70,10 @@
 //!   order (`api/lib.rs`): values and problems (`wire`), callers (`access`), what travels (`dto`), feeds, the state
 //!   that handlers share, handlers. `api/feed` takes the poses of headsets: frames, clocks and thinning are pure
 //!   there, and guidance bypasses all queues.
-//! - `vda5050/`: to come. Real robots instead of simulated ones, behind the same [`fleet::Command`] and
-//!   [`fleet::Telemetry`].
+//! - `vda5050`: the messages of VDA 5050, of all versions, behind one model; and a virtual robot that speaks them.
+//! - `links`: one session for each robot that speaks VDA 5050: [`fleet::Command`] becomes orders, what the robot says
+//!   becomes [`fleet::Telemetry`]. Pure. `server/links/mqtt.rs` joins the sessions to a broker.
+//! - `mqtt`: the line to a broker, and the one file that knows the client library.
 //! - `server`: settings, the only clock, the loop, what waits for the journal; one running core after another where the
 //!   map is changed (`server/running.rs`).
 //! - `cli`: one file per command of the program. `main.rs` calls it and nothing else.

@@ -130,8 +130,8 @@ pub fn read_kinds(fleet: Option<KindFigures>, kinds: Vec<NamedKind>) -> Result<V
     kinds.into_iter().enumerate().map(read).collect()
 }
 
-/// What is set for the robots of each kind that speaks VDA 5050, by the kind's name. What the kinds' figures do not say of
-/// their abilities is what such robots can do: forget what they were released when an order is cancelled, and stand.
+/// What is set for the robots of each kind that speaks VDA 5050, by the kind's name. What the kinds' figures do not say
+/// of their abilities is what such robots can do: forget what they were released when an order is cancelled, and stand.
 ///
 /// # Errors
 /// The invalid figures, by their keys.

@@ -108,6 +108,7 @@ const OTHERS: [(&str, &[&str], &[&str]); 2] = [
         &[
             "src/giveway/server/publish.rs",
             "src/giveway/server/links/recording.rs",
+            "src/giveway/server/links/mqtt.rs",
             "src/giveway/server/control.rs",
         ],
         &[

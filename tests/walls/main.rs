@@ -17,7 +17,7 @@ use std::path::Path;
 use tokens::{Token, functions, paths, tokens, without_tests};
 
 /// The core in its order: each may name those before it. `human` and `route` meet only in `aware`.
-const CORE: [&str; 16] = [
+const CORE: [&str; 17] = [
     "time",
     "id",
     "text",
@@ -33,12 +33,13 @@ const CORE: [&str; 16] = [
     "fleet",
     "history",
     "alarm",
+    "vda5050",
     "site",
 ];
 /// Pure too, and driving the core.
-const AROUND: [&str; 3] = ["drive", "sim", "lab"];
+const AROUND: [&str; 4] = ["drive", "sim", "lab", "links"];
 /// The outside world.
-const EDGE: [&str; 5] = ["store", "api", "vda5050", "server", "cli"];
+const EDGE: [&str; 5] = ["store", "api", "mqtt", "server", "cli"];
 /// The laboratory's commands, which are no more pure than the product's.
 const LAB_COMMANDS: &str = "src/lab/commands/";
 
@@ -108,7 +109,9 @@ fn may_name(top: &str) -> Vec<&'static str> {
         "local" => [core(5), vec!["human", "aware"]].concat(),
         "sim" => [core(CORE.len()), vec!["drive"]].concat(),
         "lab" => [core(CORE.len()), vec!["drive", "sim", "cli"]].concat(),
-        "drive" | "store" | "api" | "vda5050" => core(CORE.len()),
+        // The messages of a standard know nothing of this house.
+        "vda5050" => Vec::new(),
+        "drive" | "links" | "store" | "api" | "mqtt" => core(CORE.len()),
         "server" => [core(CORE.len()), AROUND.to_vec(), EDGE[..3].to_vec()].concat(),
         "cli" => [core(CORE.len()), AROUND.to_vec(), EDGE[..4].to_vec()].concat(),
         "main" => vec!["cli", "lab"],

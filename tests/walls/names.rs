@@ -29,9 +29,13 @@ fn shared(files: &[(String, String)]) -> Vec<String> {
     all.into_iter().map(|(name, paths)| format!("{name}: {}", paths.join(", "))).collect()
 }
 
+/// The words of a standard are its own: `Node`, `Edge`, `Action`.
+const STANDARD: &str = "src/vda5050/model/";
+
 #[test]
 fn no_two_types_have_one_name() {
-    assert_eq!(shared(&all_sources()), [""; 0]);
+    let ours = all_sources().into_iter().filter(|(path, _)| !path.starts_with(STANDARD));
+    assert_eq!(shared(&ours.collect::<Vec<_>>()), [""; 0]);
 }
 
 #[test]

@@ -134,6 +134,15 @@ pub struct StartSummary {
     pub trouble: Option<String>,
 }
 
+impl StartSummary {
+    /// The broker of a site and the robots listed behind it, if there is one.
+    fn of_links(site: &giveway_site::Site) -> StartSummary {
+        let mqtt = site.links.mqtt.as_ref();
+        let (broker, listed) = (mqtt.map(|m| m.url.clone()), mqtt.map_or(0, |m| m.robots.len()));
+        StartSummary { broker, listed, ..StartSummary::default() }
+    }
+}
+
 impl Server {
     /// Starts a server.
     ///

@@ -87,6 +87,16 @@ pub async fn open(
     Ok(Arc::new(store.keep_days(config.keep_days).keep_people_days(config.people_keep_days)))
 }
 
+/// What to tell operators of a fold of the journal that panicked.
+fn contradiction(e: tokio::task::JoinError, store: &Store) -> anyhow::Result<String> {
+    let said = e.try_into_panic().map(|p| giveway_drive::panic_text(&*p)).context("the fold was given up")?;
+    Ok(format!(
+        "the journal of {} contradicts itself: {said}. Nothing was changed. Robots drive to the end of their grants \
+         and stop. Keep a copy of the file, then run `giveway database restore BACKUP`",
+        store.path().display()
+    ))
+}
+
 /// Builds everything from the files: the map in operation, the database, the parts. If there is no room on the disk, it
 /// reports that through `waits` and tries again until there is: nothing can be promised meanwhile, and a process that
 /// ended would only be restarted.
@@ -213,17 +223,13 @@ pub async fn build(
     let (robots, idle) = (source.robots(), source.idle(&map));
     let (next, facts) = (loaded.next, loaded.facts());
     let (published, map_name) = (basis.published.clone(), map.name.clone());
-    let mqtt = source.site().links.mqtt.as_ref();
-    let (broker, listed) = (mqtt.map(|m| m.url.clone()), mqtt.map_or(0, |m| m.robots.len()));
     let summary = StartSummary {
         map: map_name,
         published,
         robots,
-        broker,
-        listed,
         facts,
         idle,
-        ..StartSummary::default()
+        ..StartSummary::of_links(source.site())
     };
     let clock = Arc::new(Clock::start(loaded.last).at_speed(source.speed));
     let settings = Settings { stopwatch: clock::stopwatch, ..source.site().settings() };
@@ -245,15 +251,7 @@ pub async fn build(
     let (fleet, links) = match tokio::task::spawn_blocking(fold).await {
         Ok(folded) => folded?,
         Err(e) => {
-            let said = e
-                .try_into_panic()
-                .map(|p| giveway_drive::panic_text(&*p))
-                .context("the fold was given up")?;
-            let why = format!(
-                "the journal of {} contradicts itself: {said}. Nothing was changed. Robots drive to the end of \
-                 their grants and stop. Keep a copy of the file, then run `giveway database restore BACKUP`",
-                store.path().display()
-            );
+            let why = contradiction(e, store)?;
             return Ok((Built::Broken(why.clone()), StartSummary { trouble: Some(why), ..summary }));
         }
     };

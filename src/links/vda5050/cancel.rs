@@ -4,7 +4,7 @@
 
 use super::notice::Notice;
 use super::order::OrderLife;
-use super::session::{Asked, RobotSession};
+use super::session::{AskedAction, RobotSession};
 use giveway_floor::time::{Span, Time};
 
 const CANCEL: &str = "cancelOrder";
@@ -16,7 +16,7 @@ const ENDS: Span = Span::from_secs(20);
 /// A cancel of an order.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cancel {
-    pub asked: Asked,
+    pub asked: AskedAction,
     /// The revocation that it obeys, if it obeys one.
     pub number: Option<u64>,
     /// Since when the robot says that it is done.

@@ -1,9 +1,9 @@
-//! Charging: begun at a charger where the robot has nothing to do, and ended, seen to have ended, before the next order.
+//! Charging: begun at a charger where the robot has nothing to do; ended, and seen to have ended, before an order.
 //!
 //! Main type: [`ChargeLife`]. Refuses: to take a finished action for current.
 
 use super::order::OrderLife;
-use super::session::{Asked, RobotSession};
+use super::session::{AskedAction, RobotSession};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::NodeKind;
 
@@ -22,11 +22,11 @@ pub(super) enum ChargeLife {
     /// It is not charging, as far as is known.
     Off,
     /// It was told to charge.
-    Begins(Asked),
+    Begins(AskedAction),
     /// It gets current.
     Charges,
     /// It was told to end.
-    Ends(Asked),
+    Ends(AskedAction),
 }
 
 impl RobotSession {
@@ -81,7 +81,7 @@ impl RobotSession {
         driven && here.serial == progress.reached && self.map.kind(here.node) == NodeKind::Charger
     }
 
-    fn charge_again(&mut self, now: Time, mut asked: Asked, kind: &str) -> Option<Asked> {
+    fn charge_again(&mut self, now: Time, mut asked: AskedAction, kind: &str) -> Option<AskedAction> {
         if now - asked.last < AGAIN {
             return None;
         }

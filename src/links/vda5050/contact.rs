@@ -4,7 +4,7 @@
 //! state, or in the state of the action. Refuses: to command a robot of which that was not seen.
 
 use super::pause::{START_PAUSE, STOP_PAUSE};
-use super::session::{Asked, RobotSession};
+use super::session::{AskedAction, RobotSession};
 use giveway_floor::geometry::to_mm;
 use giveway_floor::id::NodeId;
 use giveway_floor::time::{Span, Time};
@@ -60,9 +60,9 @@ pub enum NotReady {
 pub(super) enum Obedience {
     Unproven,
     /// It was told to pause.
-    Pauses(Asked),
+    Pauses(AskedAction),
     /// It has paused, and was told to go on.
-    GoesOn(Asked),
+    GoesOn(AskedAction),
     Proven,
     Failed(Option<String>),
     /// It does not pause, and an operator agreed to that.
@@ -204,7 +204,7 @@ impl RobotSession {
     }
 
     /// Looks again whether the robot obeys; what a later state does not show at all was lost and is sent again.
-    fn prove_again(&mut self, now: Time, mut asked: Asked, kind: &str) -> Asked {
+    fn prove_again(&mut self, now: Time, mut asked: AskedAction, kind: &str) -> AskedAction {
         const SHOWS: Span = Span::from_millis(1500);
         let heard = self.state.as_ref().is_some_and(|(at, _)| *at >= asked.last + SHOWS);
         if heard && self.action_state(&asked.id).is_none() {
@@ -230,17 +230,17 @@ impl RobotSession {
     }
 
     /// Asks for an instant action without parameters.
-    pub(super) fn ask(&mut self, now: Time, kind: &str) -> Asked {
+    pub(super) fn ask(&mut self, now: Time, kind: &str) -> AskedAction {
         if kind == START_PAUSE {
             self.pause.told = Some(now);
         }
         let id = self.new_id();
         self.instant(kind, &id, Vec::new());
-        Asked { id, since: now, last: now, tries: 1 }
+        AskedAction { id, since: now, last: now, tries: 1 }
     }
 
     /// Whether the robot has paused, or gone on, since it was asked to; its words if it refused.
-    pub(super) fn was_heeded(&self, asked: &Asked, pauses: bool) -> Option<Result<(), Option<String>>> {
+    pub(super) fn was_heeded(&self, asked: &AskedAction, pauses: bool) -> Option<Result<(), Option<String>>> {
         let (heard, state) = self.state.as_ref()?;
         if *heard < asked.since {
             return None;

@@ -1,6 +1,6 @@
 //! Whether a robot moves, by where it says it is: some robots never say that they drive.
 //!
-//! Main type: [`Motion`]. Refuses: to take a robot that is not heard for one that stands.
+//! Main type: [`SeenMotion`]. Refuses: to take a robot that is not heard for one that stands.
 
 use giveway_floor::geometry::Pose;
 use giveway_floor::time::{Span, Time};
@@ -16,13 +16,13 @@ const MOST: usize = 64;
 
 /// The last poses of a robot.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Motion {
+pub(super) struct SeenMotion {
     poses: VecDeque<(Time, Pose)>,
     /// The speed that the robot says it has, metres per second.
     said_mps: Option<f64>,
 }
 
-impl Motion {
+impl SeenMotion {
     /// Takes a pose that arrived now.
     pub fn note(&mut self, now: Time, pose: Pose, said_mps: Option<f64>) {
         self.said_mps = said_mps;

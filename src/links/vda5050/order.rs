@@ -1,8 +1,9 @@
 //! Orders: one for each leg, ending at the stop with its action; and what the robot has taken of them.
 //!
-//! Main types: [`LegOrder`], [`OrderLife`]. A leg's visits have consecutive serial numbers, so that its sequence numbers
-//! are twice the visits beyond its first one; the first one's serial number is part of the order's id, so that a process
-//! that begins anew knows an order of an earlier one. Refuses: to send an update before the last one was taken.
+//! Main types: [`LegOrder`], [`OrderLife`]. A leg's visits have consecutive serial numbers, so that its sequence
+//! numbers are twice the visits beyond its first one; the first one's serial number is part of the order's id, so that
+//! a process that begins anew knows an order of an earlier one. Refuses: to send an update before the last one was
+//! taken.
 
 use super::acts::LegAct;
 use super::cancel::Cancel;

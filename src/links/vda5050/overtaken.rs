@@ -1,7 +1,7 @@
 //! Messages that were overtaken: an older state must not undo a newer one.
 //!
 //! Main type: [`MessageOrder`]. A message is older if its number and its sender's time both say so: a robot that begins
-//! anew counts from the beginning, at a later time. Refuses: to drop many in a row, for a robot's clock may be set back.
+//! anew counts from the beginning, at a later time. Refuses: to drop many in a row, since a clock may be set back.
 
 /// After this many dropped messages in a row the next one is taken.
 const MOST_DROPPED: u32 = 5;

@@ -4,7 +4,7 @@
 
 use super::contact::Obedience;
 use super::notice::Notice;
-use super::session::{Asked, RobotSession};
+use super::session::{AskedAction, RobotSession};
 use giveway_floor::time::{Span, Time};
 use giveway_vda5050::ActionStatus;
 
@@ -22,7 +22,7 @@ const TIMES: u32 = 10;
 pub(super) struct PauseLife {
     /// Whether the fleet wants the robot to stand.
     pub wanted: bool,
-    pub stage: PauseStage,
+    pub stage: PauseState,
     /// Since when the robot says that it is paused, and when a pause was told last.
     pub since: Option<Time>,
     pub told: Option<Time>,
@@ -30,16 +30,16 @@ pub(super) struct PauseLife {
 
 /// How far a robot is with a pause.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) enum PauseStage {
+pub(super) enum PauseState {
     /// It may drive.
     #[default]
     Drives,
     /// It was told to stand.
-    Stops(Asked),
+    Stops(AskedAction),
     /// It stands because we told it to, since this moment.
     Stands(Time),
     /// It was told to go on.
-    GoesOn(Asked),
+    GoesOn(AskedAction),
     /// It was told as often as it may be told, and did not stop.
     Failed,
 }
@@ -47,12 +47,12 @@ pub(super) enum PauseStage {
 impl RobotSession {
     /// Whether the robot was seen to stand by our pause.
     pub(super) fn is_paused_by_us(&self) -> bool {
-        matches!(self.pause.stage, PauseStage::Stands(_))
+        matches!(self.pause.stage, PauseState::Stands(_))
     }
 
     /// Whether somebody has paused the robot where it is. Such a pause is not lifted from here.
     pub fn is_paused_by_hand(&self) -> bool {
-        let ours = self.pause.stage != PauseStage::Drives
+        let ours = self.pause.stage != PauseState::Drives
             || matches!(self.obedience, Obedience::Pauses(_) | Obedience::GoesOn(_))
             || self.is_own_pause();
         self.says_paused() && !ours
@@ -83,27 +83,27 @@ impl RobotSession {
             return;
         }
         match (self.pause.wanted, self.pause.stage.clone()) {
-            (true, PauseStage::Drives | PauseStage::GoesOn(_)) => {
-                self.pause.stage = PauseStage::Stops(self.ask(now, START_PAUSE));
+            (true, PauseState::Drives | PauseState::GoesOn(_)) => {
+                self.pause.stage = PauseState::Stops(self.ask(now, START_PAUSE));
             }
-            (true, PauseStage::Stops(asked)) => match self.was_heeded(&asked, true) {
-                Some(Ok(())) => self.pause.stage = PauseStage::Stands(now),
+            (true, PauseState::Stops(asked)) => match self.was_heeded(&asked, true) {
+                Some(Ok(())) => self.pause.stage = PauseState::Stands(now),
                 // A robot that is paused already may refuse to be paused.
-                Some(Err(_)) if self.says_paused() => self.pause.stage = PauseStage::Stands(now),
+                Some(Err(_)) if self.says_paused() => self.pause.stage = PauseState::Stands(now),
                 _ => self.tell_again(now, asked, START_PAUSE),
             },
-            (true, PauseStage::Stands(since)) => self.note_false_pause(now, since),
-            (false, PauseStage::Stops(_) | PauseStage::Stands(_) | PauseStage::Failed) => {
-                self.pause.stage = PauseStage::GoesOn(self.ask(now, STOP_PAUSE));
+            (true, PauseState::Stands(since)) => self.note_false_pause(now, since),
+            (false, PauseState::Stops(_) | PauseState::Stands(_) | PauseState::Failed) => {
+                self.pause.stage = PauseState::GoesOn(self.ask(now, STOP_PAUSE));
             }
-            (false, PauseStage::GoesOn(asked)) => match self.was_heeded(&asked, false) {
-                Some(Ok(()) | Err(_)) => self.pause.stage = PauseStage::Drives,
+            (false, PauseState::GoesOn(asked)) => match self.was_heeded(&asked, false) {
+                Some(Ok(()) | Err(_)) => self.pause.stage = PauseState::Drives,
                 None => self.tell_again(now, asked, STOP_PAUSE),
             },
-            (false, PauseStage::Drives) if self.is_own_pause() && self.has_proven() => {
-                self.pause.stage = PauseStage::GoesOn(self.ask(now, STOP_PAUSE));
+            (false, PauseState::Drives) if self.is_own_pause() && self.has_proven() => {
+                self.pause.stage = PauseState::GoesOn(self.ask(now, STOP_PAUSE));
             }
-            (true, PauseStage::Failed) | (false, PauseStage::Drives) => {}
+            (true, PauseState::Failed) | (false, PauseState::Drives) => {}
         }
     }
 
@@ -111,7 +111,7 @@ impl RobotSession {
         self.state.as_ref().is_some_and(|(_, state)| state.paused == Some(true))
     }
 
-    fn tell_again(&mut self, now: Time, mut asked: Asked, kind: &str) {
+    fn tell_again(&mut self, now: Time, mut asked: AskedAction, kind: &str) {
         // A robot that has the action and brakes need not be told again: some fail what they are told twice.
         let has_it = self.action_state(&asked.id).is_some() && now - asked.since < BRAKES;
         if now - asked.last < AGAIN || has_it {
@@ -120,7 +120,7 @@ impl RobotSession {
         if asked.tries >= TIMES {
             let words = self.action_state(&asked.id).and_then(|a| a.result.clone());
             self.notice(Notice::NoPause { words });
-            self.pause.stage = PauseStage::Failed;
+            self.pause.stage = PauseState::Failed;
             return;
         }
         (asked.last, asked.tries) = (now, asked.tries + 1);
@@ -130,8 +130,8 @@ impl RobotSession {
         let id = asked.id.clone();
         self.instant(kind, &id, Vec::new());
         self.pause.stage = match kind {
-            START_PAUSE => PauseStage::Stops(asked),
-            _ => PauseStage::GoesOn(asked),
+            START_PAUSE => PauseState::Stops(asked),
+            _ => PauseState::GoesOn(asked),
         };
     }
 
@@ -141,7 +141,7 @@ impl RobotSession {
         const BRAKES: Span = Span::from_millis(1500);
         if now - since >= BRAKES && self.motion.speed_mps() > MOVES_MPS && !self.motion.stands() {
             self.notice(Notice::FalsePause);
-            self.pause.stage = PauseStage::Drives;
+            self.pause.stage = PauseState::Drives;
         }
     }
 

@@ -7,7 +7,7 @@
 use super::acts::ActFailure;
 use super::charge::ChargeLife;
 use super::contact::Obedience;
-use super::motion::Motion;
+use super::motion::SeenMotion;
 use super::notice::Notice;
 use super::order::{LegOrder, OrderLife};
 use super::overtaken::MessageOrder;
@@ -54,7 +54,7 @@ pub struct MessageStamp {
 
 /// A message for the robot.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Told {
+pub struct RobotTold {
     /// Its topic.
     pub kind: TopicKind,
     /// The message.
@@ -67,7 +67,7 @@ pub struct Told {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SessionOutput {
     /// Messages for the robot, in order.
-    pub told: Vec<Told>,
+    pub told: Vec<RobotTold>,
     /// Reports for the fleet.
     pub reports: Vec<Telemetry>,
     /// The state of the robot at its link, if it changed.
@@ -93,7 +93,7 @@ pub struct SessionStart {
 
 /// How far the robot is, as the fleet counts.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Progress {
+pub(super) struct RobotProgress {
     pub robot: RobotId,
     pub reached: u64,
     pub known: u64,
@@ -113,7 +113,7 @@ pub(super) struct WantedDrive {
 
 /// An instant action that was asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Asked {
+pub(super) struct AskedAction {
     /// The action's id, the same each time.
     pub id: String,
     /// When it was asked for first and last.
@@ -141,12 +141,12 @@ pub struct RobotSession {
     pub(super) poses: MessageOrder,
     /// When a state was asked for last.
     pub(super) state_asked: Option<Time>,
-    pub(super) motion: Motion,
+    pub(super) motion: SeenMotion,
     pub(super) obedience: Obedience,
     pub(super) pause: PauseLife,
     pub(super) order: OrderLife,
     pub(super) wanted: Option<WantedDrive>,
-    pub(super) progress: Option<Progress>,
+    pub(super) progress: Option<RobotProgress>,
     /// The last visit that the robot was granted before this process, until its first state shows what it has.
     pub(super) adopts: Option<u64>,
     pub(super) charge: ChargeLife,
@@ -187,7 +187,7 @@ impl RobotSession {
             states: MessageOrder::default(),
             poses: MessageOrder::default(),
             state_asked: None,
-            motion: Motion::default(),
+            motion: SeenMotion::default(),
             obedience: Obedience::Unproven,
             pause: PauseLife::default(),
             order: OrderLife::Idle,
@@ -210,7 +210,8 @@ impl RobotSession {
     pub fn join(&mut self, now: Time, start: SessionStart) -> SessionOutput {
         let SessionStart { robot, at, granted, recalls, rack } = start;
         let acted = None;
-        self.progress = Some(Progress { robot, reached: at, known: at, acted, rack, recalls, failed: None });
+        self.progress =
+            Some(RobotProgress { robot, reached: at, known: at, acted, rack, recalls, failed: None });
         self.adopts = Some(granted);
         self.adopt();
         self.go_on(now)
@@ -326,7 +327,7 @@ impl RobotSession {
     }
 
     pub(super) fn tell(&mut self, kind: TopicKind, message: Message) {
-        self.out.told.push(Told { kind, message, expires: EXPIRES });
+        self.out.told.push(RobotTold { kind, message, expires: EXPIRES });
     }
 
     /// Passes on what was noticed, unless it was the last thing that was.

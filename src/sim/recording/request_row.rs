@@ -187,8 +187,7 @@ impl RequestRow {
                 linked(robot, (connected, capacity, refuses), (ObeyedLimits::Speeds, None))
             }
             RequestRow::Linked(robot, connected, capacity, refuses, limits, failed_stop) => {
-                let limits = ObeyedLimits::of_word(&limits).unwrap_or(ObeyedLimits::Nothing);
-                linked(robot, (connected, capacity, refuses), (limits, failed_stop))
+                linked(robot, (connected, capacity, refuses), (limits_of(&limits), failed_stop))
             }
             RequestRow::Maintain(token, robot, begins) => ask(token, maintained(robot, begins).into()),
             RequestRow::Retire(token, robot) => ask(token, RobotAction::Retire(RobotId(robot)).into()),
@@ -259,6 +258,11 @@ fn maintained(robot: u32, begins: bool) -> RobotAction {
 /// A person's statement that the belief about a worker is wrong.
 fn cleared(worker: u32, by: String) -> WorkerAction {
     WorkerAction::Clear { worker: WorkerId(worker), by }
+}
+
+/// What a robot obeys of limits; nothing, if a later version has written a word that this one does not know.
+fn limits_of(word: &str) -> ObeyedLimits {
+    ObeyedLimits::of_word(word).unwrap_or(ObeyedLimits::Nothing)
 }
 
 /// The input for the state of a robot's link.

@@ -29,7 +29,6 @@ use crate::robot::RobotBody;
 use crate::robot::beside_log::BesideLog;
 use crate::scenario::{Faults, Scenario};
 use crate::walker::{RobotNear, Walker};
-use crate::world::elsewhere::is_elsewhere;
 use giveway_drive::LinkOutput;
 use giveway_fleet::{
     Command, Fault, Input, Ledger, RackAt, Reply, RobotAction, Service, Telemetry, Token, USUAL_LINK,
@@ -265,7 +264,7 @@ impl World {
         for i in 0..self.robots.len() {
             let (id, robot) = (RobotId::at(i), &self.robots[i]);
             let Some(service) = ledger.robots.get(id).map(|r| r.service) else { break };
-            if is_elsewhere(ledger, id) {
+            if World::is_elsewhere(ledger, id) {
                 continue;
             }
             if !robot.off && robot.body.can_be_taken() && may_be_taken(ledger, id) {
@@ -542,7 +541,7 @@ impl World {
             self.worst = most_dangerous(ledger.kinds());
             let id = RobotId::at(i);
             let robot = self.robot(id, ledger);
-            self.robots.push(SimRobot { off: is_elsewhere(ledger, id), ..robot });
+            self.robots.push(SimRobot { off: World::is_elsewhere(ledger, id), ..robot });
         }
     }
 

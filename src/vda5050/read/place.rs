@@ -1,6 +1,7 @@
 //! Where in a message something is, and the list of what was odd there.
 //!
-//! Main types: [`PayloadPath`], [`Notes`]. A path is put into words when something is odd, and costs nothing before. Refuses:
+//! Main types: [`PayloadPath`], [`Notes`]. A path is put into words when something is odd.
+//! Refuses:
 //! more than a stated number of oddities.
 
 use super::MOST_ODDITIES;

@@ -32,7 +32,7 @@ pub(super) enum LinkStage {
 
 /// Why a message could not be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unreadable {
+pub enum GarbledMessage {
     /// The message is no JSON.
     NotJson,
     /// The message is JSON of another form or version, for example without the key of instant actions that the robot
@@ -86,9 +86,9 @@ impl VirtualRobot {
     }
 
     /// Takes a message on a topic that could not be read; the robot answers in its next step, or not at all.
-    pub fn receive_unreadable(&mut self, topic: TopicKind, why: Unreadable) {
+    pub fn receive_unreadable(&mut self, topic: TopicKind, why: GarbledMessage) {
         let is_silent = self.setup.quirks.unreadable == UnreadableReply::WarningButSilentAboutText;
-        if self.link == LinkStage::Online && !(is_silent && why == Unreadable::NotJson) {
+        if self.link == LinkStage::Online && !(is_silent && why == GarbledMessage::NotJson) {
             self.complain_of_unreadable(topic);
         }
     }

@@ -22,7 +22,7 @@ mod tests;
 
 pub use body::{BodyCommand, BodyLimits, BodyMotion, BodyReport, PathPoint, VirtualBody};
 pub use embodied::EmbodiedRobot;
-pub use link::Unreadable;
+pub use link::GarbledMessage;
 pub use quirks::{
     BaseRequestHabit, CancelHabit, ChargingOrders, DeviationKey, DrivingFlag, EqualUpdate, ErrorMemory,
     FirstState, HandlingParameters, HeadingCheck, IdleCancel, InstantActionsKey, InstantBatch, InstantHabit,

@@ -16,7 +16,7 @@ pub struct RobotQuirks {
     /// out of an order that spells it otherwise.
     pub deviation_key: DeviationKey,
     /// Which versions the robot accepts in headers. A matter of reading: the caller, which knows the headers, reports
-    /// a message of another version as [`super::Unreadable::WrongForm`].
+    /// a message of another version as [`super::GarbledMessage::WrongForm`].
     pub version_check: VersionCheck,
     /// The answer to a message that cannot be read.
     pub unreadable: UnreadableReply,

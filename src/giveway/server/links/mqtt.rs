@@ -1,7 +1,8 @@
 //! Robots that speak VDA 5050: their sessions on one side, the line to the broker on the other.
 //!
-//! Main type: [`MqttRobots`]. Robots that the site lists join where they stand, and drive once they have shown that they
-//! obey; others that the broker knows are never driven. Refuses: to believe a message that names another robot than its topic.
+//! Main type: [`MqttRobots`]. Robots that the site lists join where they stand, and drive once they have shown that
+//! they obey; others that the broker knows are never driven. Refuses: to believe a message that names another robot
+//! than its topic.
 
 use crate::mqtt::{LineEvent, LineMessage, LineSetup, MqttLine, broker_of, is_loopback, tls_of};
 use anyhow::Context;
@@ -14,7 +15,7 @@ use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_links::vda5050::{
-    MessageStamp, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, Told,
+    MessageStamp, Notice, RobotHeard, RobotSession, RobotTold, SessionOutput, SessionStart,
 };
 use giveway_site::{InstantKey, ListedRobot, MQTT_LINK, MqttLink};
 use giveway_vda5050::{Address, Header, Message, TopicKind, Version, read, write};
@@ -58,7 +59,7 @@ struct RobotHere {
 
 /// The line to the broker.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum LineState {
+pub enum BrokerState {
     /// It was not up yet.
     Begins,
     /// It is up.
@@ -77,7 +78,7 @@ pub struct MqttRobots {
     boot: u64,
     line: MqttLine,
     events: mpsc::Receiver<LineEvent>,
-    state: LineState,
+    state: BrokerState,
     robots: BTreeMap<Address, RobotHere>,
     numbers: BTreeMap<RobotId, Address>,
     inputs: Vec<Input>,
@@ -132,7 +133,7 @@ impl MqttRobots {
         let mut all = MqttRobots {
             robots: BTreeMap::new(),
             numbers: BTreeMap::new(),
-            state: LineState::Begins,
+            state: BrokerState::Begins,
             inputs: Vec::new(),
             alarms: Vec::new(),
             claimed: None,
@@ -169,7 +170,7 @@ impl MqttRobots {
             self.ask_to_join(now, &address, ledger);
         }
         self.mind_claims(now);
-        if self.state == LineState::Begins && now - self.begun >= BEGINS {
+        if self.state == BrokerState::Begins && now - self.begun >= BEGINS {
             self.note_down(now, "it was not there yet".to_owned());
         }
         std::mem::take(&mut self.inputs)
@@ -197,7 +198,7 @@ impl MqttRobots {
     fn take_event(&mut self, now: Time, event: LineEvent) {
         match event {
             LineEvent::Up => {
-                self.state = LineState::Up;
+                self.state = BrokerState::Up;
                 self.alarms.push(DriveAlarm::Clear(AlarmKind::BrokerGone));
                 tracing::info!("the broker is there");
                 let addresses: Vec<Address> = self.robots.keys().cloned().collect();
@@ -208,7 +209,7 @@ impl MqttRobots {
             LineEvent::Down(why) => self.note_down(now, why),
             LineEvent::Displaced => {
                 tracing::error!("another server has taken the robots over: this one sends nothing any more");
-                self.state = LineState::Displaced(now);
+                self.state = BrokerState::Displaced(now);
                 self.alarms.push(DriveAlarm::Raise(AlarmKind::RobotsTakenOver, alarms::robots_taken_over()));
             }
             LineEvent::Heard { topic, payload } => self.take_message(now, &topic, &payload),
@@ -216,12 +217,12 @@ impl MqttRobots {
     }
 
     fn note_down(&mut self, now: Time, why: String) {
-        if matches!(self.state, LineState::Down(..)) {
+        if matches!(self.state, BrokerState::Down(..)) {
             return;
         }
         tracing::warn!(why, "the broker is gone; robots drive to the end of what they were released");
         self.alarms.push(DriveAlarm::Raise(AlarmKind::BrokerGone, alarms::broker_gone(&why)));
-        self.state = LineState::Down(now, why);
+        self.state = BrokerState::Down(now, why);
     }
 
     /// The alarm about claims ends some time after the last one.
@@ -376,7 +377,7 @@ impl MqttRobots {
         }
     }
 
-    fn send(&mut self, now: Time, address: &Address, told: Told) {
+    fn send(&mut self, now: Time, address: &Address, told: RobotTold) {
         let Some(here) = self.robots.get_mut(address) else { return };
         let version = here.session.version();
         let next = here.next.entry(told.kind).or_default();

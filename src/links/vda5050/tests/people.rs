@@ -11,7 +11,7 @@ fn a_stop_is_a_pause_in_the_same_turn_and_ends_with_one() {
     floor.until(30, "it drives", |f| f.pairs[0].speed_mps() > 0.5);
     let now = floor.now;
     let out = floor.pairs[0].session.command(now, &Command::Limit(Some(0.0)));
-    let Some(Told { message: Message::InstantActions(actions), .. }) = out.told.first() else {
+    let Some(RobotTold { message: Message::InstantActions(actions), .. }) = out.told.first() else {
         panic!("{out:?}")
     };
     assert_eq!(actions[0].kind, "startPause");

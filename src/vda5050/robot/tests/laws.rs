@@ -4,8 +4,8 @@
 use super::*;
 use crate::model::state::{EStop, NodeLeft, OperatingMode, Position};
 use crate::robot::{
-    CancelHabit, MidwayUpdate, NodeStops, OtherOrder, PauseHabit, ReadingHabit, ReportedBase, RobotQuirks,
-    Unreadable,
+    CancelHabit, GarbledMessage, MidwayUpdate, NodeStops, OtherOrder, PauseHabit, ReadingHabit, ReportedBase,
+    RobotQuirks,
 };
 use proptest::prelude::*;
 use serde_json::json;
@@ -23,7 +23,7 @@ enum Happening {
     Mode(OperatingMode),
     EStop(bool),
     Link(bool),
-    Unreadable,
+    GarbledMessage,
     Fault(bool),
     Reboot(u8),
     Pass(u32),
@@ -87,7 +87,7 @@ fn any_happening() -> impl Strategy<Value = Happening> {
         1 => prop::sample::select(modes.to_vec()).prop_map(Happening::Mode),
         1 => prop::bool::ANY.prop_map(Happening::EStop),
         1 => prop::bool::ANY.prop_map(Happening::Link),
-        1 => Just(Happening::Unreadable),
+        1 => Just(Happening::GarbledMessage),
         1 => prop::bool::ANY.prop_map(Happening::Fault),
         1 => (0..6u8).prop_map(Happening::Reboot),
         12 => (0..40u32).prop_map(Happening::Pass),
@@ -155,8 +155,8 @@ impl LawWatch {
             }
             Happening::Link(true) => self.bench.robot.robot.find_broker(),
             Happening::Link(false) => self.bench.robot.robot.lose_broker(),
-            Happening::Unreadable => {
-                self.bench.robot.robot.receive_unreadable(crate::TopicKind::Order, Unreadable::NotJson);
+            Happening::GarbledMessage => {
+                self.bench.robot.robot.receive_unreadable(crate::TopicKind::Order, GarbledMessage::NotJson);
             }
             Happening::Fault(is_faulty) => self.bench.robot.robot.set_handling_fault(is_faulty),
             Happening::Reboot(node) => self.reboot(node),

@@ -3,7 +3,7 @@
 use super::*;
 use crate::TopicKind;
 use crate::model::error::ErrorLevel;
-use crate::robot::Unreadable;
+use crate::robot::GarbledMessage;
 use serde_json::json;
 
 fn robot() -> RobotBench {
@@ -15,7 +15,7 @@ fn key_must_be_instant_actions_with_actions_alone_a_validation_error_and_nothing
     let mut bench = robot();
     let key = bench.robot.robot.setup().quirks.instant_actions_key;
     assert!(!key.understands(true, false) && key.understands(false, true) && key.understands(true, true));
-    bench.robot.robot.receive_unreadable(TopicKind::InstantActions, Unreadable::WrongForm);
+    bench.robot.robot.receive_unreadable(TopicKind::InstantActions, GarbledMessage::WrongForm);
     bench.run(0.1);
     let state = bench.states().last().cloned().expect("a state");
     assert_eq!(
@@ -90,7 +90,7 @@ fn lower_number_unknown_action_start_too_far_away_all_warning_all_kept_until_the
 fn text_that_is_no_json_dropped_without_a_state() {
     let mut bench = robot();
     let before = bench.states().len();
-    bench.robot.robot.receive_unreadable(TopicKind::Order, Unreadable::NotJson);
+    bench.robot.robot.receive_unreadable(TopicKind::Order, GarbledMessage::NotJson);
     bench.run(1.0);
     assert_eq!((bench.states().len(), bench.errors().len()), (before, 0));
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::TopicKind;
-use crate::robot::{MidwayUpdate, ReadingHabit, Unreadable};
+use crate::robot::{GarbledMessage, MidwayUpdate, ReadingHabit};
 
 fn robot() -> RobotBench {
     RobotBench::new(RobotSetup::like_b())
@@ -92,7 +92,7 @@ fn a_header_with_2_0_0_accepted_with_3_0_0_validation_error() {
     let mut bench = robot();
     let check = bench.robot.robot.setup().quirks.version_check;
     assert!(check.accepts(Version::V2_1, Version::V2_0) && !check.accepts(Version::V2_1, Version::V3_0));
-    bench.robot.robot.receive_unreadable(TopicKind::Order, Unreadable::WrongForm);
+    bench.robot.robot.receive_unreadable(TopicKind::Order, GarbledMessage::WrongForm);
     bench.run(0.1);
     assert_eq!(bench.errors(), ["validationError"]);
 }

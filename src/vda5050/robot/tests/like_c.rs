@@ -3,7 +3,7 @@
 use super::*;
 use crate::TopicKind;
 use crate::model::error::ErrorLevel;
-use crate::robot::Unreadable;
+use crate::robot::GarbledMessage;
 use serde_json::json;
 
 fn robot() -> RobotBench {
@@ -31,7 +31,7 @@ fn instant_actions_under_the_wrong_key_json_deserialization_error_fatal() {
     let mut bench = robot();
     let key = bench.robot.robot.setup().quirks.instant_actions_key;
     assert!(key.understands(true, false) && !key.understands(false, true) && key.understands(true, true));
-    bench.robot.robot.receive_unreadable(TopicKind::InstantActions, Unreadable::WrongForm);
+    bench.robot.robot.receive_unreadable(TopicKind::InstantActions, GarbledMessage::WrongForm);
     bench.run(0.1);
     assert_eq!(fatal(&bench), ["JSON_DESERIALIZATION_ERROR"]);
 }

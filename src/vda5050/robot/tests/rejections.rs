@@ -204,7 +204,7 @@ fn an_update_of_a_cancelled_order_is_rejected() {
 fn a_message_that_cannot_be_read_is_a_warning() {
     for (version, kind) in Version::ALL.into_iter().zip(MALFORMED) {
         let mut bench = RobotBench::of_version(version);
-        bench.robot.robot.receive_unreadable(crate::TopicKind::Order, crate::robot::Unreadable::NotJson);
+        bench.robot.robot.receive_unreadable(crate::TopicKind::Order, crate::robot::GarbledMessage::NotJson);
         bench.run(0.1);
         let state = bench.states().last().cloned().expect("a state");
         assert_eq!((state.errors[0].kind.as_str(), state.errors[0].level), (kind, ErrorLevel::Warning));
