@@ -135,11 +135,18 @@ pub struct StartSummary {
 }
 
 impl StartSummary {
-    /// The broker of a site and the robots listed behind it, if there is one.
-    fn of_links(site: &giveway_site::Site) -> StartSummary {
-        let mqtt = site.links.mqtt.as_ref();
-        let (broker, listed) = (mqtt.map(|m| m.url.clone()), mqtt.map_or(0, |m| m.robots.len()));
-        StartSummary { broker, listed, ..StartSummary::default() }
+    /// What is known of a floor before its database is read.
+    fn of_floor(source: &FloorSource, map: &Warehouse, basis: &FloorBasis) -> StartSummary {
+        let mqtt = source.site().links.mqtt.as_ref();
+        StartSummary {
+            map: map.name.clone(),
+            published: basis.published.clone(),
+            robots: source.robots(),
+            broker: mqtt.map(|m| m.url.clone()),
+            listed: mqtt.map_or(0, |m| m.robots.len()),
+            idle: source.idle(map),
+            ..StartSummary::default()
+        }
     }
 }
 

@@ -220,31 +220,21 @@ pub async fn build(
 ) -> anyhow::Result<(Built, StartSummary)> {
     let loaded = load(store, &floor).await?;
     let ServedFloor { source, map, planted } = floor;
-    let (robots, idle) = (source.robots(), source.idle(&map));
     let (next, facts) = (loaded.next, loaded.facts());
-    let (published, map_name) = (basis.published.clone(), map.name.clone());
-    let summary = StartSummary {
-        map: map_name,
-        published,
-        robots,
-        facts,
-        idle,
-        ..StartSummary::of_links(source.site())
-    };
+    let summary = StartSummary { facts, ..StartSummary::of_floor(&source, &map, &basis) };
     let clock = Arc::new(Clock::start(loaded.last).at_speed(source.speed));
     let settings = Settings { stopwatch: clock::stopwatch, ..source.site().settings() };
     let (buckets, heat) = store.load_history().await?;
     let figures =
         SharedHistory::new(clock.started(), settings.policy.word(), History::restore(buckets, heat));
     let (now, floor, period) = (clock.now(), map.clone(), source.site().period);
-    let broker = source.site().links.mqtt.clone();
-    let line = broker.as_ref().map(|link| connect(link, &source.site().name)).transpose()?;
+    let broker =
+        source.site().links.mqtt.clone().map(|link| connect(link, &source.site().name)).transpose()?;
     let fold = move || {
         let (ledger, facts) = loaded.into_parts();
         let fleet = Fleet::resume(ledger, settings, facts);
         check_kinds(&fleet)?;
-        let building = fleet.warehouse().clone();
-        let robots = broker.zip(line).map(|(link, line)| MqttRobots::new(link, building, line, now));
+        let robots = broker.map(|begun| MqttRobots::new(begun, fleet.warehouse().clone(), now));
         let links = Links::new(source.begin(floor, fleet.ledger(), now), robots);
         anyhow::Ok((fleet, links))
     };

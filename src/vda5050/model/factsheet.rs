@@ -47,7 +47,7 @@ pub struct OfferedAction {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActionScope {
     /// At once.
-    Instant,
+    AtOnce,
     /// At a node.
     Node,
     /// On an edge.

@@ -10,7 +10,7 @@ use crate::model::action::{Action, BlockingType, Parameter};
 use crate::model::order::{Corridor, Edge, Node, NodePosition, Order};
 use crate::vocabulary::{WireName, WireWords, names, words};
 use serde_json::Value;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn order(top: &ObjectReader<'_>) -> Result<Order, Unreadable> {
     let id = top.need_text(&names::ORDER_ID)?;
@@ -30,7 +30,7 @@ pub(super) fn instant_actions(top: &ObjectReader<'_>) -> Result<Vec<Action>, Unr
         return Err(top.missing(&names::ACTIONS));
     }
     let [plain, tagged] = lists.map(Option::unwrap_or_default);
-    let known: HashSet<String> = plain.iter().map(|action| action.id.clone()).collect();
+    let known: BTreeSet<String> = plain.iter().map(|action| action.id.clone()).collect();
     let tagged = tagged.into_iter().filter(|action| !known.contains(&action.id));
     Ok(plain.into_iter().chain(tagged).collect())
 }
@@ -66,7 +66,7 @@ fn deviation(object: &ObjectReader<'_>) -> Option<f64> {
     axes.into_iter().flatten().reduce(f64::min)
 }
 
-fn edge(object: &ObjectReader<'_>, by_sequence: &HashMap<u32, &str>) -> Result<Edge, Unreadable> {
+fn edge(object: &ObjectReader<'_>, by_sequence: &BTreeMap<u32, &str>) -> Result<Edge, Unreadable> {
     let sequence = object.need_count(&names::SEQUENCE)?;
     Ok(Edge {
         id: object.need_text(&names::EDGE_ID)?,
@@ -85,7 +85,7 @@ fn end(
     object: &ObjectReader<'_>,
     name: &WireName,
     sequence: Option<u32>,
-    by_sequence: &HashMap<u32, &str>,
+    by_sequence: &BTreeMap<u32, &str>,
 ) -> String {
     if let Some(id) = object.text(name) {
         return id;

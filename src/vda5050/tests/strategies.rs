@@ -264,7 +264,7 @@ fn connection() -> impl Strategy<Value = ConnectionState> {
 
 fn factsheet(numbers: Numbers) -> impl Strategy<Value = Factsheet> {
     use ActionScope::*;
-    let scopes = vec(prop::sample::select(vec![Instant, Node, Edge, Zone]), 0..4);
+    let scopes = vec(prop::sample::select(vec![AtOnce, Node, Edge, Zone]), 0..4);
     let offered = (text(), scopes).prop_map(|(kind, scopes)| OfferedAction { kind, scopes });
     // Zeros are read as not said.
     let measure = move || option::of(numbers.magnitude().prop_filter("not zero", |number| *number != 0.0));

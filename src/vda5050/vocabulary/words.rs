@@ -127,7 +127,7 @@ pub(crate) const CORRIDOR_POINT: WireWords<bool> = WireWords {
 /// Where an action may be asked for. An unknown word is no place.
 pub(crate) const SCOPE: WireWords<ActionScope> = WireWords {
     rows: &[
-        (ActionScope::Instant, same("INSTANT")),
+        (ActionScope::AtOnce, same("INSTANT")),
         (ActionScope::Node, same("NODE")),
         (ActionScope::Edge, same("EDGE")),
         (ActionScope::Zone, [None, None, Some("ZONE")]),

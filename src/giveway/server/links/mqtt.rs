@@ -88,11 +88,18 @@ pub struct MqttRobots {
     begun: Time,
 }
 
+/// A line to the broker of a site that has begun.
+pub struct BegunLine {
+    link: MqttLink,
+    line: MqttLine,
+    heard: mpsc::Receiver<LineEvent>,
+}
+
 /// Begins to connect to the broker of a site.
 ///
 /// # Errors
 /// What is missing or cannot be read.
-pub fn connect(link: &MqttLink, floor: &str) -> anyhow::Result<(MqttLine, mpsc::Receiver<LineEvent>)> {
+pub fn connect(link: MqttLink, floor: &str) -> anyhow::Result<BegunLine> {
     let (broker, with_tls) = broker_of(&link.url).context("the broker's `url` is refused")?;
     let identity = link.identity.as_ref().map(|[certificate, key]| [certificate, key].map(Path::new));
     let tls = match with_tls {
@@ -118,17 +125,13 @@ pub fn connect(link: &MqttLink, floor: &str) -> anyhow::Result<(MqttLine, mpsc::
         will: None,
     };
     let (events, heard) = mpsc::channel(EVENTS);
-    Ok((MqttLine::begin(setup, events), heard))
+    Ok(BegunLine { link, line: MqttLine::begin(setup, events), heard })
 }
 
 impl MqttRobots {
     /// The robots of a site, behind a line that has begun.
-    pub fn new(
-        link: MqttLink,
-        map: Arc<Warehouse>,
-        (line, events): (MqttLine, mpsc::Receiver<LineEvent>),
-        now: Time,
-    ) -> MqttRobots {
+    pub fn new(begun: BegunLine, map: Arc<Warehouse>, now: Time) -> MqttRobots {
+        let BegunLine { link, line, heard: events } = begun;
         let boot = now.0.unsigned_abs() / 1_000_000;
         let mut all = MqttRobots {
             robots: BTreeMap::new(),
