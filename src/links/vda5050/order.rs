@@ -102,7 +102,8 @@ impl RobotSession {
         };
         self.adopts = None;
         let Some(first) = first_of(&state.order) else { return };
-        let reached = first + u64::from(state.last_sequence / 2);
+        // The robot may say any number.
+        let reached = first.saturating_add(u64::from(state.last_sequence / 2));
         if !(progress.reached..=granted).contains(&reached) {
             return;
         }
@@ -112,7 +113,7 @@ impl RobotSession {
         self.order = OrderLife::Has(LegOrder {
             id: state.order.clone(),
             first,
-            update: state.update.saturating_add(LEAP),
+            update: state.update.min(u32::MAX - 2 * LEAP) + LEAP,
             base,
             known: base,
             sent: UpdateLife::Taken,
@@ -307,7 +308,7 @@ impl RobotSession {
     /// Releases more of the order that the robot has.
     fn send_update(&mut self, now: Time, wanted: &WantedDrive, end: u64) {
         let OrderLife::Has(leg) = &self.order else { return };
-        let (id, first, base, update) = (leg.id.clone(), leg.first, leg.base, leg.update + 1);
+        let (id, first, base, update) = (leg.id.clone(), leg.first, leg.base, leg.update.saturating_add(1));
         let more: Vec<Waypoint> =
             wanted.waypoints.iter().filter(|w| (base..=end).contains(&w.serial)).copied().collect();
         if more.first().is_none_or(|w| w.serial != base) {

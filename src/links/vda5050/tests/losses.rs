@@ -101,3 +101,21 @@ fn drawn_robots_with_drawn_faults_do_every_job_once() {
         assert!(ran.is_ok(), "seed {seed}");
     }
 }
+
+#[test]
+fn an_order_of_ours_with_numbers_that_no_order_has_is_not_taken_for_one() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_0)]);
+    floor.all_ready();
+    let (_, state) = floor.pairs[0].session.state().expect("it was heard");
+    for order in [format!("gw-1-1-{}", u64::MAX), "gw-1-1-0".to_owned()] {
+        let said =
+            giveway_vda5050::State { order, update: u32::MAX, last_sequence: u32::MAX, ..state.clone() };
+        let stamp = MessageStamp { id: 1, timestamp: "2026".into() };
+        let settings = floor.pairs[0].settings.clone();
+        let mut session = RobotSession::new(Version::V2_0, settings, floor.map(), 2);
+        session.hear(floor.now, RobotHeard::State(Box::new(said), stamp));
+        let robot = RobotId::at(0);
+        session.join(floor.now, SessionStart { robot, at: 0, granted: 3, recalls: 0, rack: None });
+        assert_eq!(session.order_text(), "no order");
+    }
+}
