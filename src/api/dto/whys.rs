@@ -33,7 +33,7 @@ impl Names<'_> {
             JobWhy::WayBlocked(r) => reasons::way_blocked(self.with_trouble(r)),
             JobWhy::WayClosed(c) => reasons::way_closed(closure_name(c)),
             JobWhy::RackBlocked(k, r) => reasons::rack_blocked(self.rack_name(k), self.with_trouble(r)),
-            JobWhy::NodeTaken(n, r) => reasons::node_taken(self.node(n), self.with_trouble(r)),
+            JobWhy::NodeTaken(n, r) => reasons::node_kept(self.node(n), self.with_trouble(r)),
             JobWhy::NoPlace(NodeKind::Charger) => reasons::no_charger(),
             JobWhy::NoPlace(_) => reasons::no_parking(),
             JobWhy::RobotLow(r) => reasons::robot_charges(self.robot(r)),

@@ -81,7 +81,7 @@ sentences! {
     way_blocked(robot) = "waits for the only way to its rack or destination, on which stands {robot}";
     way_closed(area) = "waits for closed area {area} to open: it cuts the rack off from its destination";
     rack_blocked(rack, robot) = "waits for rack {rack}, beneath which stands {robot}";
-    node_taken(node, robot) = "waits for {node}, where {robot} is or is going to stay";
+    node_kept(node, robot) = "waits for {node}, where {robot} is or is going to stay";
     no_charger() = "waits for a charger: all are taken or closed";
     no_parking() = "waits for a parking place: all are taken or closed";
     robot_charges(robot) = "waits for {robot} to charge";
