@@ -7,6 +7,7 @@
 mod circles;
 mod members;
 mod names;
+mod numbers;
 mod rooms;
 mod tokens;
 

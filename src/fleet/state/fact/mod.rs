@@ -22,9 +22,34 @@ use crate::state::note::FloorNote;
 use giveway_floor::id::RobotId;
 use std::hash::{Hash, Hasher};
 
-/// Something that happened.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Fact {
+/// The one list of what facts are about: the type, the way in from each subject, and the hash follow from it.
+macro_rules! facts_about {
+    ($($(#[$doc:meta])* $group:ident($of:ident),)*) => {
+        /// Something that happened.
+        #[derive(Clone, Debug, PartialEq, Eq)]
+        pub enum Fact {
+            $($(#[$doc])* $group($of),)*
+        }
+
+        $(impl From<$of> for Fact {
+            fn from(of: $of) -> Fact {
+                Fact::$group(of)
+            }
+        })*
+
+        impl Hash for Fact {
+            /// Hashes the number of the kind and what it holds. The subject is left out, since numbers differ between
+            /// subjects.
+            fn hash<H: Hasher>(&self, to: &mut H) {
+                match self {
+                    $(Fact::$group(of) => of.hash(to),)*
+                }
+            }
+        }
+    };
+}
+
+facts_about! {
     /// Something that happened to a robot.
     Robot(RobotFact),
     /// Something that happened to routes.
@@ -43,46 +68,6 @@ pub enum Fact {
     Encounter(EncounterFact),
     /// Something that explains other facts; for the record.
     Noted(FloorNote),
-}
-
-/// Makes a fact from what happened to its subject.
-macro_rules! facts_about {
-    ($($group:ident($of:ident)),*) => {
-        $(impl From<$of> for Fact {
-            fn from(of: $of) -> Fact {
-                Fact::$group(of)
-            }
-        })*
-    };
-}
-
-facts_about!(
-    Robot(RobotFact),
-    Route(RouteFact),
-    Job(JobFact),
-    Worker(WorkerFact),
-    Assignment(AssignmentFact),
-    Area(AreaFact),
-    Floor(FloorFact),
-    Encounter(EncounterFact),
-    Noted(FloorNote)
-);
-
-impl Hash for Fact {
-    /// Hashes the number of the kind and what it holds. The subject is left out, since numbers differ between subjects.
-    fn hash<H: Hasher>(&self, to: &mut H) {
-        match self {
-            Fact::Robot(of) => of.hash(to),
-            Fact::Route(of) => of.hash(to),
-            Fact::Job(of) => of.hash(to),
-            Fact::Worker(of) => of.hash(to),
-            Fact::Assignment(of) => of.hash(to),
-            Fact::Area(of) => of.hash(to),
-            Fact::Floor(of) => of.hash(to),
-            Fact::Encounter(of) => of.hash(to),
-            Fact::Noted(of) => of.hash(to),
-        }
-    }
 }
 
 impl Fact {
