@@ -57,7 +57,7 @@ pub use state::keys::{ClientKey, KEY_LIFE, Keys};
 pub use state::kind::{Capabilities, Charging, ObeyedLimits, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::kinds::RobotKinds;
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums, Unconfirmed};
-pub use state::link::{LinkState, USUAL_LINK};
+pub use state::link::{LinkReach, LinkState, USUAL_LINK};
 pub use state::local_clock::LocalClock;
 pub use state::note::{EventDetails, FloorNote, ReplanCause};
 pub use state::passing::Passing;

@@ -72,7 +72,7 @@
 //!   there, and guidance bypasses all queues.
 //! - `vda5050`: the messages of VDA 5050, of all versions, behind one model; and a virtual robot that speaks them.
 //! - `links`: one session for each robot that speaks VDA 5050: [`fleet::Command`] becomes orders, what the robot says
-//!   becomes [`fleet::Telemetry`]. Pure. `server/links/mqtt.rs` joins the sessions to a broker.
+//!   becomes [`fleet::Telemetry`]. Pure. `server/links/mqtt` joins the sessions to a broker.
 //! - `mqtt`: the line to a broker, and the one file that knows the client library.
 //! - `server`: settings, the only clock, the loop, what waits for the journal; one running core after another where the
 //!   map is changed (`server/running.rs`).

@@ -58,6 +58,12 @@ acts! {
     AddRobot "add_robot": "POST /v1/robots",
     /// A robot is to leave the floor.
     RemoveRobot "remove_robot": "DELETE /v1/robots/{id}",
+    /// A robot of another vendor is sent an instant action.
+    SendRobotAction "send_robot_action": "POST /v1/robots/{id}/actions",
+    /// A robot may drive although it does not pause when told to.
+    ConsentToRobot "consent_to_robot": "PUT /v1/robots/{id}/consent",
+    /// People have looked after a robot whose action failed.
+    SettleRobot "settle_robot": "POST /v1/robots/{id}/settled",
     /// A job is submitted.
     SubmitJob "submit_job": "POST /v1/jobs",
     /// Many jobs are submitted at once.

@@ -10,6 +10,7 @@ pub mod building;
 pub mod cell;
 pub mod events;
 pub mod guidance;
+pub mod linked;
 pub mod names;
 pub mod people;
 pub mod refusal;

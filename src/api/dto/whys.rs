@@ -6,7 +6,7 @@
 use crate::dto::names::Names;
 use crate::wire::text::{closure_name, job_name, worker_name};
 use giveway_fleet::alarm::displacement_words;
-use giveway_fleet::{JobFailure, JobWhy, JobsAhead, RobotView, Why};
+use giveway_fleet::{JobFailure, JobWhy, JobsAhead, LinkReach, RobotView, Why};
 use giveway_floor::id::{Dense, RackId, RobotId, StationId};
 use giveway_floor::text::sentence::reasons;
 use giveway_floor::text::{Sentence, SentenceArg};
@@ -80,6 +80,9 @@ impl Names<'_> {
             (Why::Refused, _) => {
                 let words = robot.link_state.as_ref().and_then(|link| link.refuses.as_deref());
                 words.map_or_else(reasons::refused, reasons::refused_because)
+            }
+            (Why::Silent, _) if robot.link_state.as_ref().is_some_and(|l| l.reach == LinkReach::LineDown) => {
+                reasons::line_down()
             }
             (Why::Failed, Some(rack)) => reasons::cannot_drive_with_rack(&rack.name),
             _ => self.why(why),

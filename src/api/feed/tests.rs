@@ -105,6 +105,7 @@ impl TestServer {
             figures: Arc::new(SharedHistory::new(Time::ZERO, "giveway", Default::default())),
             queue: Some(mpsc::channel(1).0),
             hooks: None,
+            link: None,
             questions: asked,
             alarms: Arc::new(Alarms::default()),
             past: None,

@@ -16,6 +16,7 @@ use crate::oidc::Oidc;
 use crate::outgoing::webhooks::WebhookAccess;
 use crate::port::Now;
 use crate::port::answers::AnswerPort;
+use crate::port::linked::LinkQuestion;
 use crate::port::moment::{Moment, SharedHistory};
 use crate::port::questions::Question;
 use crate::port::trial::Trials;
@@ -56,6 +57,8 @@ pub struct Api {
     pub hooks: Option<WebhookAccess>,
     /// The queue of questions to the fleet.
     pub questions: mpsc::Sender<Question>,
+    /// The queue of questions to the link to robots of other vendors; absent if the floor has none.
+    pub link: Option<mpsc::Sender<LinkQuestion>>,
     /// Active alarms.
     pub alarms: Arc<Alarms>,
     /// Recordings, if they are kept.
@@ -113,6 +116,21 @@ impl Api {
         let (reply, answer) = oneshot::channel();
         let busy = || Problem::unavailable(requests::busy(), 1);
         self.questions.try_send(question(reply)).map_err(|_| busy())?;
+        match tokio::time::timeout(PATIENCE, answer).await {
+            Ok(Ok(answer)) => Ok(answer),
+            _ => Err(Problem::unavailable(requests::fleet_did_not_answer(), 2)),
+        }
+    }
+
+    /// Asks the link to robots of other vendors.
+    pub async fn ask_link<T>(
+        &self,
+        question: impl FnOnce(oneshot::Sender<T>) -> LinkQuestion,
+    ) -> Result<T, Problem> {
+        let link = self.link.as_ref().ok_or_else(|| Problem::unknown("link", requests::no_robot_link()))?;
+        let (reply, answer) = oneshot::channel();
+        let busy = || Problem::unavailable(requests::busy(), 1);
+        link.try_send(question(reply)).map_err(|_| busy())?;
         match tokio::time::timeout(PATIENCE, answer).await {
             Ok(Ok(answer)) => Ok(answer),
             _ => Err(Problem::unavailable(requests::fleet_did_not_answer(), 2)),

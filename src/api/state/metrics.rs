@@ -4,6 +4,7 @@
 //! values.
 
 use crate::dto::names::JobCountsDto;
+use crate::port::linked::LinkCounts;
 use crate::port::moment::Moment;
 use crate::wire::words::RobotStateDto;
 use giveway_fleet::alarm::Alarm;
@@ -56,6 +57,13 @@ pub struct ReasonLabel {
     pub reason: &'static str,
 }
 
+/// The direction of a message.
+#[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
+pub struct DirectionLabel {
+    /// `in` or `out`.
+    pub direction: &'static str,
+}
+
 /// The kind and severity of an alarm.
 #[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
 pub struct AlarmLabels {
@@ -98,6 +106,11 @@ pub struct Metrics {
     pub pose_to_robot_stop: Histogram,
     /// Seconds from the sighting of a hand going wrong to the warning that is sent to its wearer.
     pub hand_to_warning: Histogram,
+    /// Messages from and to robots of other vendors.
+    link_messages: Family<DirectionLabel, Counter>,
+    link_unreadable: Counter,
+    order_to_state: Histogram,
+    link_robots: Family<StateLabel, Gauge>,
     /// HTTP requests.
     pub http: Family<HttpLabels, Counter>,
     alarms: Family<AlarmLabels, Gauge>,
@@ -149,6 +162,10 @@ impl Default for Metrics {
             pose_to_stop: Histogram::new(seconds),
             pose_to_robot_stop: Histogram::new(seconds),
             hand_to_warning: Histogram::new(seconds),
+            link_messages: Family::default(),
+            link_unreadable: Counter::default(),
+            order_to_state: Histogram::new(seconds),
+            link_robots: Family::default(),
             http: Family::default(),
             alarms: Family::default(),
             jobs: Family::default(),
@@ -179,6 +196,7 @@ impl Default for Metrics {
         m.register_insertions();
         m.register_people();
         m.register_forecasts();
+        m.register_link();
         m
     }
 }
@@ -253,6 +271,27 @@ impl Metrics {
         r.register("forecast_scale", scale, self.forecast_scale.clone());
         let trusted = "1 if forecasts hold, 0 if robots keep out of all that workers can reach instead";
         r.register("forecast_trusted", trusted, self.forecast_trusted.clone());
+    }
+
+    fn register_link(&mut self) {
+        let r = &mut self.registry;
+        r.register("link_messages", "Messages of VDA 5050, by direction", self.link_messages.clone());
+        r.register("link_unreadable", "Messages that could not be read", self.link_unreadable.clone());
+        let taken = "From sending an order until a state shows that the robot has it";
+        r.register_with_unit("order_to_state", taken, Unit::Seconds, self.order_to_state.clone());
+        r.register("link_robots", "Robots that speak VDA 5050, by readiness", self.link_robots.clone());
+    }
+
+    /// Adds what the link to robots of other vendors counted.
+    pub fn note_link(&self, counts: &LinkCounts) {
+        for (direction, messages) in [("in", counts.heard), ("out", counts.sent)] {
+            self.link_messages.get_or_create(&DirectionLabel { direction }).inc_by(messages);
+        }
+        self.link_unreadable.inc_by(counts.unreadable);
+        counts.taken.iter().for_each(|took| self.order_to_state.observe(took.as_secs_f64()));
+        for (state, robots) in [("ready", counts.ready), ("not_ready", counts.not_ready)] {
+            self.link_robots.get_or_create(&StateLabel { state: state.into() }).set(robots as i64);
+        }
     }
 
     fn look_at_forecasts(&self, moment: &Moment) {

@@ -4,6 +4,7 @@
 
 use crate::access::audit::{AuditEntry, AuditQuery};
 use crate::port::Later;
+use crate::port::linked::NewLinked;
 use giveway_fleet::alarm::{Alarm, AlarmQuery};
 use giveway_fleet::{
     Answered, AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan,
@@ -52,6 +53,14 @@ pub trait Records: Send + Sync {
     /// Audit entries, newest first; none if a recording is shown.
     fn audit(&self, _: AuditQuery) -> Later<'_, Result<Vec<AuditEntry>, String>> {
         Box::pin(async { Ok(Vec::new()) })
+    }
+    /// Keeps a robot of another vendor that was listed over the API.
+    fn keep_linked(&self, _: NewLinked) -> Later<'_, Result<(), String>> {
+        Box::pin(async { Err("a recording keeps nothing".to_owned()) })
+    }
+    /// Forgets such a robot; one that is not kept is no error.
+    fn forget_linked(&self, _: String) -> Later<'_, Result<(), String>> {
+        Box::pin(async { Err("a recording keeps nothing".to_owned()) })
     }
     /// How often each audited request was carried out in a period; nothing if a recording is shown.
     fn acts(&self, _: (Time, Time)) -> Later<'_, Result<Vec<(String, u64)>, String>> {

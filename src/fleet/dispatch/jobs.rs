@@ -11,6 +11,7 @@ use crate::dispatch::enough::stations_with_enough;
 use crate::dispatch::leaving::let_leave;
 use crate::dispatch::maintenance::send_to_maintenance;
 use crate::dispatch::named::assign_named;
+use crate::dispatch::silent::give_back_silent;
 use crate::state::fact::Task;
 use crate::state::floor::Floor;
 use crate::state::index::RackGoal;
@@ -43,6 +44,7 @@ pub(crate) fn assign(
     writer.advance_queue(now);
     give_back_jobs(writer, now);
     give_back_blocked(writer, now);
+    give_back_silent(writer, now);
     let_leave(writer, now);
     send_to_maintenance(writer, now);
     assign_named(writer, needs, planners, now);

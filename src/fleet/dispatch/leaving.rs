@@ -7,6 +7,7 @@ use crate::state::floor::Floor;
 use crate::state::io::Telemetry;
 use crate::state::job::{JobFailure, JobState};
 use crate::state::ledger::Service;
+use crate::state::link::LinkReach;
 use crate::state::writer::Writer;
 use giveway_floor::id::{JobId, RobotId};
 use giveway_floor::time::{Span, Time};
@@ -47,6 +48,9 @@ impl Floor<'_> {
         let record = &self.ledger.robots[robot];
         let Service::Leaving { since } = record.service else { return false };
         if self.ledger.rack_on(robot).is_some() {
+            return false;
+        }
+        if self.scene.reach(robot) == LinkReach::Answers {
             return false;
         }
         let seen = self.scene.robot(robot);

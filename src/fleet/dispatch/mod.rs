@@ -13,4 +13,5 @@ pub(crate) mod jobs;
 pub(crate) mod leaving;
 pub(crate) mod maintenance;
 pub(crate) mod named;
+pub(crate) mod silent;
 mod work_ahead;

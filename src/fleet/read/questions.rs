@@ -17,7 +17,7 @@ use crate::state::passing::Passing;
 use crate::state::worker::{GuidanceReason, GuidanceState};
 use giveway_cell::HandsSeen;
 use giveway_floor::geometry::Point;
-use giveway_floor::id::{JobId, RobotId, StationId, WorkerId};
+use giveway_floor::id::{JobId, NodeId, RobotId, StationId, WorkerId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Hull;
 use giveway_people::human::Sighting;
@@ -51,6 +51,12 @@ impl Fleet {
     /// Whether a robot was heard of lately, can drive and takes orders.
     pub fn is_fit(&self, robot: RobotId, now: Time) -> bool {
         self.writer.scene.fit(robot, now).is_some()
+    }
+
+    /// The node at which a robot of a kind that was found at a place can join: the nearest one that is free. Nothing if
+    /// the place is not on the floor.
+    pub fn place_to_join(&self, kind: &str, at: Point) -> Option<NodeId> {
+        self.writer.floor().place_to_join(kind, at)
     }
 
     /// The state of a robot at its link; nothing if it is as usual.

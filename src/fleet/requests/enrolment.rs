@@ -8,11 +8,16 @@
 
 use crate::requests::intake::Intake;
 use crate::state::fact::{Fact, RobotFact};
+use crate::state::floor::Floor;
 use crate::state::ledger::Service;
 use crate::state::refusal::{Bounded, Refusal, RobotRefusal};
 use crate::state::request::{Answer, Answered, Made};
+use giveway_floor::geometry::Point;
 use giveway_floor::id::{Dense, NodeId, RobotId};
 use giveway_floor::time::{Time, Window};
+
+/// A robot that is farther from all nodes than this is not on the floor, metres.
+const JOINS_WITHIN_M: f64 = 3.0;
 
 impl Intake<'_> {
     /// Lets a robot join; a robot of a known name is the same robot, wherever it stands by now.
@@ -37,19 +42,9 @@ impl Intake<'_> {
             return Err(Refusal::UnknownPlace);
         }
         let robot = known.unwrap_or(RobotId::at(self.writer.ledger().robots.len()));
-        // A hold that should be over by the plan still counts until the robot has left.
-        let (warehouse, ever) = (self.writer.warehouse(), Window::new(Time(i64::MIN), Time::MAX));
-        let body = warehouse.body_of(&kind);
-        if !warehouse.may_be_at(body, node) {
-            return Err(Refusal::Robot(RobotRefusal::NotForKind(node)));
+        if let Some(why) = self.writer.floor().keeps_out(robot, &kind, node) {
+            return Err(Refusal::Robot(why));
         }
-        let line = warehouse.line(body, false, warehouse.node_resource(node));
-        let mut others = self.writer.ledger().timeline().holders_during(line, ever, robot);
-        let in_the_way = || self.writer.scene.all_displaced().any(|(_, d)| d.nodes.contains(&node));
-        if others.next().is_some() || self.writer.floor().is_promised(node, robot) || in_the_way() {
-            return Err(Refusal::Robot(RobotRefusal::PlaceTaken(node)));
-        }
-        drop(others);
         self.writer.scene.forget(robot);
         self.writer.record(match known {
             None => Fact::Robot(RobotFact::Registered { robot, name, kind, node, at: now }),
@@ -105,5 +100,34 @@ impl Intake<'_> {
     fn service_of(&self, robot: RobotId) -> Result<Service, Refusal> {
         let record = self.writer.ledger().robots.get(robot).ok_or(Refusal::UnknownPlace)?;
         if record.is_gone() { Err(Refusal::Robot(RobotRefusal::IsGone(robot))) } else { Ok(record.service) }
+    }
+}
+
+impl Floor<'_> {
+    /// Why a robot of a kind cannot join on a node; nothing if it can.
+    fn keeps_out(&self, robot: RobotId, kind: &str, node: NodeId) -> Option<RobotRefusal> {
+        // A hold that should be over by the plan still counts until the robot has left.
+        let (warehouse, ever) = (self.warehouse(), Window::new(Time(i64::MIN), Time::MAX));
+        let body = warehouse.body_of(kind);
+        if !warehouse.may_be_at(body, node) {
+            return Some(RobotRefusal::NotForKind(node));
+        }
+        let line = warehouse.line(body, false, warehouse.node_resource(node));
+        let is_held = self.ledger.timeline().holders_during(line, ever, robot).next().is_some();
+        let in_the_way = || self.scene.all_displaced().any(|(_, d)| d.nodes.contains(&node));
+        let is_taken = is_held || self.is_promised(node, robot) || in_the_way();
+        is_taken.then_some(RobotRefusal::PlaceTaken(node))
+    }
+
+    /// The nearest node on which a robot of a kind could join that was found at a place: it is in others' way there
+    /// before anything is held for it, and its first report says where it really is. None that is farther away than
+    /// [`JOINS_WITHIN_M`] is on this floor.
+    pub(crate) fn place_to_join(&self, kind: &str, at: Point) -> Option<NodeId> {
+        self.ledger.kinds().named(kind)?;
+        let next = RobotId::at(self.ledger.robots.len());
+        let far = |node: &NodeId| (self.warehouse().nodes[*node].at - at).norm();
+        let mut near = self.warehouse().nodes_within(at, JOINS_WITHIN_M);
+        near.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        near.into_iter().find(|node| self.keeps_out(next, kind, *node).is_none())
     }
 }

@@ -5,7 +5,7 @@
 use crate::state::displaced::Displaced;
 use crate::state::fault::Fault;
 use crate::state::io::Telemetry;
-use crate::state::link::LinkState;
+use crate::state::link::{LinkReach, LinkState};
 use crate::state::robot_clock::ReportOrder;
 use giveway_floor::id::{Dense, RobotId};
 use giveway_floor::time::{Span, Time};
@@ -147,7 +147,7 @@ impl Scene {
     /// Takes a link's report of its state for a robot.
     pub fn hear_link(&mut self, robot: RobotId, state: LinkState, now: Time) {
         let is_usual = state == LinkState::default();
-        let comes_up = state.connected && !self.is_connected(robot);
+        let comes_up = state.reach.is_up() && !self.is_connected(robot);
         let seen = self.robot_mut(robot);
         seen.up = if comes_up { Some(now) } else { seen.up };
         seen.link = (!is_usual).then(|| Box::new(state));
@@ -158,9 +158,14 @@ impl Scene {
         self.robots.get(robot.ix())?.link.as_deref()
     }
 
+    /// Whether messages get through to a robot, as far as its link knows.
+    pub fn reach(&self, robot: RobotId) -> LinkReach {
+        self.link(robot).map_or(LinkReach::default(), |link| link.reach)
+    }
+
     /// Whether the link of a robot is up.
     pub fn is_connected(&self, robot: RobotId) -> bool {
-        self.link(robot).is_none_or(|link| link.connected)
+        self.reach(robot).is_up()
     }
 
     /// Since when a robot has been silent: since its newest observation or, if later, since its link came up. Before
@@ -208,9 +213,14 @@ impl Scene {
         }
     }
 
-    /// Whether a robot was heard of lately.
+    /// Whether a robot was heard of lately, or its link knows that it answers.
     pub fn is_heard(&self, robot: RobotId, now: Time) -> bool {
-        self.is_connected(robot) && self.heard(robot).is_some_and(|t| now - t <= SILENCE)
+        let Some(heard) = self.heard(robot) else { return false };
+        match self.reach(robot) {
+            LinkReach::ByReports => now - heard <= SILENCE,
+            LinkReach::Answers => true,
+            LinkReach::Lost | LinkReach::LineDown => false,
+        }
     }
 
     /// Whether a robot was found where the ledger has it, and has not been found elsewhere since.

@@ -12,7 +12,7 @@ use crate::state::floor::Floor;
 use crate::state::io::{CausedFacts, CellWarning, Command, Step};
 use crate::state::job::JobState;
 use crate::state::ledger::Ledger;
-use crate::state::link::LinkState;
+use crate::state::link::{LinkReach, LinkState};
 use crate::state::regions::KindRegions;
 use crate::state::request::{Answered, Reply, Token};
 use crate::state::restrictions::Restrictions;
@@ -89,7 +89,7 @@ impl Writer {
             let refuses = Some(format!("the site has no link named {link}"));
             self.scene.hear_link(
                 robot,
-                LinkState { connected: false, refuses, ..LinkState::default() },
+                LinkState { reach: LinkReach::Lost, refuses, ..LinkState::default() },
                 Time::ZERO,
             );
         }

@@ -225,8 +225,8 @@ fn a_robot_that_drove_when_it_was_heard_of_last_is_gone_only_when_it_must_stand(
 fn goes_while_its_link_is_down(is_up_again: bool) {
     let mut floor = TestFloor::lab(1);
     floor.run(1);
-    let link = |connected| Input::Link(R0, LinkState { connected, ..LinkState::default() });
-    floor.step(vec![link(false)]);
+    let link = |reach| Input::Link(R0, LinkState { reach, ..LinkState::default() });
+    floor.step(vec![link(LinkReach::Lost)]);
     floor.retire(R0).unwrap();
     let began = floor.now;
     let mut is_gone_at = |seconds: i64, said: Vec<Input>| {
@@ -235,7 +235,7 @@ fn goes_while_its_link_is_down(is_up_again: bool) {
     };
     assert!(!is_gone_at(590, vec![]), "it may be driving for all that anybody knows");
     if is_up_again {
-        assert!(!is_gone_at(591, vec![link(true)]), "its reports are on the way");
+        assert!(!is_gone_at(591, vec![link(LinkReach::ByReports)]), "its reports are on the way");
         assert!(!is_gone_at(600, vec![]));
         assert!(is_gone_at(602, vec![]), "it rested there, and is switched off");
     } else {

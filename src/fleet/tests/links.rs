@@ -56,7 +56,10 @@ fn a_ledger_that_is_read_again_has_each_robot_at_its_link() {
     assert_eq!((again.ledger().robots[R0].link.as_str(), again.link_state(R0)), ("mqtt", None));
     let without = Fleet::resume(again.ledger().clone(), Settings::default(), []);
     let state = without.link_state(R0).expect("its link is gone");
-    assert_eq!((state.connected, state.refuses.as_deref()), (false, Some("the site has no link named mqtt")));
+    assert_eq!(
+        (state.reach, state.refuses.as_deref()),
+        (LinkReach::Lost, Some("the site has no link named mqtt"))
+    );
 }
 
 fn link(state: LinkState) -> Vec<Input> {
@@ -68,7 +71,7 @@ fn a_robot_whose_link_is_down_is_silent_at_once_and_goes_on_when_it_is_up_again(
     let mut floor = TestFloor::lab(1);
     let job = floor.submit(request(deliver(3)));
     floor.until(60, "it is on its way", |f| f.is(job, "assigned"));
-    floor.step(link(LinkState { connected: false, ..LinkState::default() }));
+    floor.step(link(LinkState { reach: LinkReach::Lost, ..LinkState::default() }));
     let granted = floor.fleet.ledger().chain(R0).granted();
     assert_eq!(floor.fleet.why(R0), Some(Why::Silent), "after no three seconds");
     floor.run(20);
@@ -87,7 +90,7 @@ fn a_robot_whose_link_takes_no_orders_gets_none_and_is_told_why() {
     floor.assert_done_once(&jobs);
     assert_eq!(floor.fleet.why(R0), Some(Why::Refused));
     let state = floor.fleet.view(floor.now).robots[0].link_state.clone().expect("it is not as usual");
-    assert_eq!((state.connected, state.refuses.as_deref()), (true, Some("in manual mode")));
+    assert_eq!((state.reach, state.refuses.as_deref()), (LinkReach::ByReports, Some("in manual mode")));
     assert_eq!(floor.fleet.ledger().chain(R0).granted(), 1, "the other one did both");
 }
 

@@ -1,8 +1,8 @@
 //! The store behind the API's durable lists.
 //!
-//! Main type: [`StoredRecords`]. Refuses: to write.
+//! Main type: [`StoredRecords`]. Refuses: to write anything but the list of other vendors' robots.
 
-use giveway_api::{AuditEntry, AuditQuery, Later, Records, Role};
+use giveway_api::{AuditEntry, AuditQuery, Later, NewLinked, Records, Role};
 use giveway_fleet::alarm::{Alarm, AlarmQuery};
 use giveway_fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan, JobQuery,
@@ -10,7 +10,7 @@ use giveway_fleet::{
 };
 use giveway_floor::id::{AssignmentId, JobId, RobotId};
 use giveway_floor::time::Time;
-use giveway_store::{AuditFilter, AuditRow, Store, StoreError};
+use giveway_store::{AuditFilter, AuditRow, LinkedRow, Store, StoreError};
 use std::sync::Arc;
 use tokio::sync::watch;
 
@@ -72,6 +72,16 @@ impl Records for StoredRecords {
 
     fn events(&self, query: EventQuery) -> Later<'_, Result<Vec<EventRow>, String>> {
         Box::pin(async move { self.0.events(&query).await.map_err(told) })
+    }
+
+    fn keep_linked(&self, new: NewLinked) -> Later<'_, Result<(), String>> {
+        let NewLinked { name, manufacturer, serial, kind, version } = new;
+        let row = LinkedRow { name, manufacturer, serial, kind, version };
+        Box::pin(async move { self.0.keep_linked_robot(&row).await.map_err(told) })
+    }
+
+    fn forget_linked(&self, name: String) -> Later<'_, Result<(), String>> {
+        Box::pin(async move { self.0.forget_linked_robot(&name).await.map_err(told) })
     }
 
     fn event_span(&self) -> Later<'_, Result<EventSpan, String>> {

@@ -155,6 +155,7 @@ impl RunningCore {
         let (inbox, notes, tap) = (Inbox::of(&map, requests, heard), charts.notes, past.tap);
         let ((halt, halted), displaced) = (watch::channel(false), gone.clone());
         let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settle, planted };
+        let desk = links.desk();
         let drive = control_loop((fleet, links, period), ends, shares.clone());
         let LoopShares { store, clock, metrics, alarms, feeds } = shares;
         let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
@@ -175,6 +176,7 @@ impl RunningCore {
             queue: Some(queue),
             hooks: Some(WebhookAccess { queue: hooks, targets: outbound.targets.clone() }),
             questions: ask,
+            link: desk,
             alarms,
             past: past.folder,
             live,

@@ -14,7 +14,9 @@ use giveway_fleet::history::History;
 use giveway_fleet::{Fleet, Ledger, Settings};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
-use giveway_store::{CarryOver, Loaded, MapNote, Opening, StepEntry, Store, StoreError};
+use giveway_site::{ListedRobot, MqttLink};
+use giveway_store::{CarryOver, LinkedRow, Loaded, MapNote, Opening, StepEntry, Store, StoreError};
+use giveway_vda5050::{Address, Version};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::mpsc;
@@ -211,6 +213,21 @@ async fn load(store: &Store, floor: &ServedFloor) -> anyhow::Result<Loaded> {
     Ok(store.load(empty()).await?)
 }
 
+/// A link with the robots that were listed over the API. Those of the site file go first.
+async fn with_kept(mut link: MqttLink, store: &Store) -> anyhow::Result<MqttLink> {
+    for LinkedRow { name, manufacturer, serial, kind, version } in store.linked_robots().await? {
+        let address = Address::new(&manufacturer, &serial);
+        let address = address.with_context(|| format!("the database lists robot {name}"))?;
+        if link.robots.iter().any(|robot| robot.name == name || robot.address == address) {
+            tracing::warn!(robot = name, "the site's file lists this robot, too; that counts");
+            continue;
+        }
+        let version = version.as_deref().and_then(Version::of_text);
+        link.robots.push(ListedRobot { name, address, kind, version });
+    }
+    Ok(link)
+}
+
 /// Builds the parts from the content of the database.
 pub async fn build(
     config: &Config,
@@ -228,8 +245,10 @@ pub async fn build(
     let figures =
         SharedHistory::new(clock.started(), settings.policy.word(), History::restore(buckets, heat));
     let (now, floor, period) = (clock.now(), map.clone(), source.site().period);
-    let broker =
-        source.site().links.mqtt.clone().map(|link| connect(link, &source.site().name)).transpose()?;
+    let broker = match source.site().links.mqtt.clone() {
+        Some(link) => Some(connect(with_kept(link, store).await?, &source.site().name)?),
+        None => None,
+    };
     let fold = move || {
         let (ledger, facts) = loaded.into_parts();
         let fleet = Fleet::resume(ledger, settings, facts);

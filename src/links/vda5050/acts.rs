@@ -131,8 +131,14 @@ impl RobotSession {
         };
     }
 
-    /// A person has looked after a robot whose action failed, and it carries this now.
+    /// The action that failed, in words: the robot waits for people.
+    pub fn failure(&self) -> Option<&str> {
+        self.progress.as_ref()?.failed.as_ref().map(|failed| failed.words.as_str())
+    }
+
+    /// A person has looked after a robot whose action failed or that refused orders, and it carries this now.
     pub fn settle(&mut self, rack: Option<RackId>) {
+        self.rejected.0 = 0;
         if let Some(progress) = &mut self.progress {
             (progress.failed, progress.rack) = (None, rack);
         }

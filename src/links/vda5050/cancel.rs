@@ -7,7 +7,7 @@ use super::order::OrderLife;
 use super::session::{AskedAction, RobotSession};
 use giveway_floor::time::{Span, Time};
 
-const CANCEL: &str = "cancelOrder";
+pub(super) const CANCEL: &str = "cancelOrder";
 /// A robot that drives on for this long after it said that it had cancelled its order has not.
 const BRAKES: Span = Span::from_millis(1500);
 /// A cancel that has not ended after this needs a person.

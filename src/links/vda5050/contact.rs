@@ -5,8 +5,7 @@
 
 use super::pause::{START_PAUSE, STOP_PAUSE};
 use super::session::{AskedAction, RobotSession};
-use giveway_floor::geometry::to_mm;
-use giveway_floor::id::NodeId;
+use giveway_floor::geometry::{Point, to_mm};
 use giveway_floor::time::{Span, Time};
 use giveway_vda5050::{ActionStatus, ConnectionState, OperatingMode};
 use std::fmt;
@@ -82,10 +81,15 @@ impl RobotSession {
         })
     }
 
-    /// Why the robot cannot be booked where it stands; nothing if it can. Whether it obeys is another question: a robot
-    /// that stands somewhere is in others' way whether it obeys or not.
-    pub fn not_placed(&self, now: Time) -> Option<NotReady> {
-        self.unreachable(now).or_else(|| self.unfit())
+    /// Where the robot is on this floor, if that is known. It is in others' way there, whether it obeys or not and
+    /// whoever drives it.
+    pub fn whereabouts(&self, now: Time) -> Option<Point> {
+        match self.unreachable(now).or_else(|| self.unfit()) {
+            None | Some(NotReady::Mode(_) | NotReady::OnNoNode(_) | NotReady::ForeignOrder(_)) => {
+                self.motion.pose().map(|pose| pose.at)
+            }
+            Some(_) => None,
+        }
     }
 
     /// An operator agrees that the robot drives although it does not pause.
@@ -138,14 +142,6 @@ impl RobotSession {
         off.map(NotReady::OnNoNode)
     }
 
-    /// The node on which the robot is, if it is on one.
-    pub fn node(&self) -> Option<NodeId> {
-        let at = self.motion.pose()?.at;
-        let near = self.map.nodes_within(at, ON_NODE_M).into_iter();
-        let far = |node: &NodeId| (self.map.nodes[*node].at - at).norm();
-        near.min_by(|a, b| far(a).total_cmp(&far(b)))
-    }
-
     /// How far the robot is from the nearest node, if it is on none.
     fn off_node_mm(&self) -> Option<i64> {
         let at = self.motion.pose()?.at;
@@ -162,6 +158,15 @@ impl RobotSession {
         let last = heard.max(self.state_asked);
         if last.is_none_or(|last| now - last >= ASKS) {
             self.request_state(now);
+        }
+    }
+
+    /// Asks a robot that obeys once what it can do: some do not say it by themselves.
+    pub(super) fn ask_for_factsheet(&mut self) {
+        if self.has_proven() && self.factsheet.is_none() && !self.factsheet_asked {
+            self.factsheet_asked = true;
+            let id = self.new_id();
+            self.instant("factsheetRequest", &id, Vec::new());
         }
     }
 

@@ -12,6 +12,7 @@ mod charge;
 mod contact;
 mod motion;
 mod notice;
+mod operator;
 mod order;
 mod overtaken;
 mod pause;
@@ -19,7 +20,9 @@ mod report;
 mod session;
 #[cfg(test)]
 mod tests;
+mod trust;
 
 pub use contact::NotReady;
 pub use notice::Notice;
+pub use operator::{INIT_POSITION, SentAction};
 pub use session::{MessageStamp, RobotHeard, RobotSession, RobotTold, SessionOutput, SessionStart};

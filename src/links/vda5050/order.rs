@@ -135,6 +135,9 @@ impl RobotSession {
         let has_it = state.order == leg.id;
         if leg.sent != UpdateLife::Taken {
             if has_it && state.update >= leg.update {
+                if let UpdateLife::Sent { last, .. } | UpdateLife::Doubted { asked: last, .. } = leg.sent {
+                    self.out.taken = Some(now - last);
+                }
                 (leg.sent, leg.known) = (UpdateLife::Taken, leg.base);
                 self.rejected.0 = 0;
             } else if let Some(words) = complaint(leg, &state.errors) {
@@ -188,7 +191,7 @@ impl RobotSession {
     /// Sends what is to be driven and was not sent yet.
     pub(super) fn mind_order(&mut self, now: Time) {
         let (Some(wanted), Some(progress)) = (self.wanted.clone(), &self.progress) else { return };
-        if progress.failed.is_some() || now < self.rests_until {
+        if progress.failed.is_some() || now < self.rests_until.max(self.next_order()) {
             return;
         }
         let Some(end) = self.base_end(&wanted) else { return };
@@ -247,15 +250,30 @@ impl RobotSession {
         }
     }
 
+    /// When the next order or update may be sent, as the robot's factsheet has it.
+    fn next_order(&self) -> Time {
+        const LONGEST_S: f64 = 10.0;
+        let interval_s = self.factsheet.as_ref().and_then(|sheet| sheet.order_interval_s).unwrap_or(0.0);
+        // What a robot says of itself must not keep it standing for ever.
+        let interval = Span::from_secs_f64(interval_s.clamp(0.0, LONGEST_S));
+        self.ordered.map_or(Time::ZERO, |last| last + interval)
+    }
+
+    /// The most visits of an order, as the robot's factsheet has it; two at least.
+    fn most_nodes(&self) -> usize {
+        let said = self.factsheet.as_ref().and_then(|sheet| sheet.most_nodes).filter(|most| *most > 0);
+        said.unwrap_or(usize::MAX).max(2)
+    }
+
     /// The last visit that the robot may be released to: no farther than the longest base, and one more at least.
     fn base_end(&self, wanted: &WantedDrive) -> Option<u64> {
-        let reached = self.progress.as_ref()?.reached;
-        let ahead = wanted.waypoints.iter().filter(|w| w.serial >= reached);
+        let (reached, longest_m) = (self.progress.as_ref()?.reached, self.longest_base_m());
+        let ahead = wanted.waypoints.iter().filter(|w| w.serial >= reached).take(self.most_nodes());
         let (mut end, mut length_m, mut last) = (None, 0.0, None::<Point>);
         for waypoint in ahead {
             let at = self.map.nodes[waypoint.node].at;
             length_m += last.map_or(0.0, |last| (at - last).norm());
-            if length_m > self.settings.longest_base_m && end > Some(reached) {
+            if length_m > longest_m && end > Some(reached) {
                 break;
             }
             (end, last) = (Some(waypoint.serial), Some(at));
@@ -302,6 +320,7 @@ impl RobotSession {
             complaints: self.complaints(),
             message: Some(order.clone()),
         });
+        self.ordered = Some(now);
         self.tell(TopicKind::Order, Message::Order(order));
     }
 
@@ -325,6 +344,7 @@ impl RobotSession {
             leg.sent = UpdateLife::Sent { times: 1, last: now };
             leg.message = Some(order.clone());
         }
+        self.ordered = Some(now);
         self.tell(TopicKind::Order, Message::Order(order));
     }
 
@@ -411,6 +431,7 @@ impl RobotSession {
                     }
                     None => {
                         self.notice(Notice::NotTaken);
+                        self.rejected = (self.rejected.0 + 1, "it does not take what it is sent".to_owned());
                         self.give_up(now);
                     }
                 }

@@ -3,7 +3,7 @@
 //! Refuses: the robot's clock; a report is from when the message arrived.
 
 use super::session::RobotSession;
-use giveway_fleet::{Fault, LinkState, ObeyedLimits, Telemetry};
+use giveway_fleet::{Fault, LinkReach, LinkState, ObeyedLimits, Telemetry};
 use giveway_floor::time::Time;
 use giveway_vda5050::{EStop, ErrorLevel, OperatingMode, Position, Velocity};
 
@@ -70,6 +70,15 @@ impl RobotSession {
         (broken || is_stuck).then_some(Fault::Broken)
     }
 
+    /// Whether messages get through to the robot.
+    fn reach(&self, now: Time) -> LinkReach {
+        match self.unreachable(now) {
+            _ if self.line_down => LinkReach::LineDown,
+            None => LinkReach::Answers,
+            Some(_) => LinkReach::Lost,
+        }
+    }
+
     /// Whether the robot drives, or has nothing to drive.
     fn is_obeying(&self) -> bool {
         let waits = self.progress.as_ref().is_none_or(|p| p.known == p.reached);
@@ -85,11 +94,10 @@ impl RobotSession {
             true => Some("somebody has paused it where it is".to_owned()),
             false => self.not_ready(now).map(|why| why.to_string()),
         };
-        let capacity = Some(self.most_visits);
+        let capacity = Some(self.most_visits());
         let failed_stop = self.progress.as_ref().and_then(|p| p.failed.as_ref()).map(|failed| failed.serial);
         let limits = if self.pauses() { ObeyedLimits::Speeds } else { ObeyedLimits::Nothing };
-        let link =
-            LinkState { connected: self.unreachable(now).is_none(), capacity, refuses, limits, failed_stop };
+        let link = LinkState { reach: self.reach(now), capacity, refuses, limits, failed_stop };
         if link != self.link {
             self.link = link.clone();
             self.out.link = Some(link);

@@ -9,9 +9,11 @@ use super::charge::ChargeLife;
 use super::contact::Obedience;
 use super::motion::SeenMotion;
 use super::notice::Notice;
+use super::operator::SentAction;
 use super::order::{LegOrder, OrderLife};
 use super::overtaken::MessageOrder;
 use super::pause::PauseLife;
+use super::trust::Trust;
 use giveway_fleet::{Command, LinkState, Telemetry, Waypoint};
 use giveway_floor::id::{NodeId, RackId, RobotId};
 use giveway_floor::time::{Span, Time};
@@ -21,6 +23,7 @@ use giveway_vda5050::{
     Action, ActionState, BlockingType, ConnectionState, Factsheet, Message, Parameter, State, TopicKind,
     Version, Visualization,
 };
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Orders and instant actions that have not reached the robot after this never do.
@@ -74,6 +77,8 @@ pub struct SessionOutput {
     pub link: Option<LinkState>,
     /// What was noticed of the robot.
     pub noticed: Vec<Notice>,
+    /// How long an order or update took from being sent, or asked about, until a state showed that the robot has it.
+    pub taken: Option<Span>,
 }
 
 /// What the ledger knows of a robot when its session begins.
@@ -135,10 +140,16 @@ pub struct RobotSession {
     pub(super) connection: Option<ConnectionState>,
     pub(super) other_version: Option<String>,
     pub(super) factsheet: Option<Box<Factsheet>>,
+    /// Whether the robot was asked what it can do.
+    pub(super) factsheet_asked: bool,
+    /// When the last order or update was sent.
+    pub(super) ordered: Option<Time>,
     /// The last state, and when it arrived.
     pub(super) state: Option<(Time, Box<State>)>,
     pub(super) states: MessageOrder,
     pub(super) poses: MessageOrder,
+    /// Whether the line to all robots is down: nothing is told, and nobody's silence means anything.
+    pub(super) line_down: bool,
     /// When a state was asked for last.
     pub(super) state_asked: Option<Time>,
     pub(super) motion: SeenMotion,
@@ -150,8 +161,11 @@ pub struct RobotSession {
     /// The last visit that the robot was granted before this process, until its first state shows what it has.
     pub(super) adopts: Option<u64>,
     pub(super) charge: ChargeLife,
-    /// How many visits are within the longest base, and one at least.
-    pub(super) most_visits: usize,
+    /// The length of the map's shortest lane, metres.
+    pub(super) shortest_m: f64,
+    pub(super) trust: Trust,
+    /// Actions that operators sent, the newest last.
+    pub(super) sent: VecDeque<SentAction>,
     /// The last notice, which is not given twice in a row.
     pub(super) last_notice: Option<Notice>,
     /// Rejections in a row, with the robot's last words.
@@ -173,7 +187,6 @@ impl RobotSession {
         boot: u64,
     ) -> RobotSession {
         let shortest_m = map.lanes.iter().map(|lane| lane.length_m).fold(f64::INFINITY, f64::min);
-        let most_visits = ((settings.longest_base_m / shortest_m.max(0.05)) as usize).max(1);
         RobotSession {
             version,
             settings,
@@ -183,9 +196,12 @@ impl RobotSession {
             connection: None,
             other_version: None,
             factsheet: None,
+            factsheet_asked: false,
+            ordered: None,
             state: None,
             states: MessageOrder::default(),
             poses: MessageOrder::default(),
+            line_down: false,
             state_asked: None,
             motion: SeenMotion::default(),
             obedience: Obedience::Unproven,
@@ -195,7 +211,9 @@ impl RobotSession {
             progress: None,
             adopts: None,
             charge: ChargeLife::Off,
-            most_visits,
+            shortest_m: shortest_m.max(0.05),
+            trust: Trust::default(),
+            sent: VecDeque::new(),
             last_notice: None,
             rejected: (0, String::new()),
             rests_until: Time::ZERO,
@@ -214,13 +232,20 @@ impl RobotSession {
             Some(RobotProgress { robot, reached: at, known: at, acted, rack, recalls, failed: None });
         self.adopts = Some(granted);
         self.adopt();
+        self.report(now);
         self.go_on(now)
     }
 
     /// Takes what was heard of the robot.
     pub fn hear(&mut self, now: Time, heard: RobotHeard) -> SessionOutput {
         match heard {
-            RobotHeard::Connection(connection) => self.connection = Some(connection),
+            RobotHeard::Connection(connection) => {
+                // A robot that begins anew may take what it refused.
+                if connection == ConnectionState::Online && self.connection != Some(connection) {
+                    self.rejected.0 = 0;
+                }
+                self.connection = Some(connection);
+            }
             RobotHeard::OtherVersion(version) => self.other_version = Some(version),
             RobotHeard::OtherName(named) => self.notice(Notice::OtherName { named }),
             RobotHeard::Factsheet(factsheet) => self.factsheet = Some(factsheet),
@@ -254,7 +279,14 @@ impl RobotSession {
 
     /// The line to the broker is back: what was sent while it was down never left, and nobody knows what was heard.
     pub fn line_is_back(&mut self, now: Time) -> SessionOutput {
+        self.line_down = false;
         self.request_state(now);
+        self.go_on(now)
+    }
+
+    /// The line to all robots is down: this one drives on to the end of what it was released, and is not to blame.
+    pub fn line_is_down(&mut self, now: Time) -> SessionOutput {
+        self.line_down = true;
         self.go_on(now)
     }
 
@@ -290,6 +322,7 @@ impl RobotSession {
         self.adopt();
         self.note_order(now);
         self.note_act(now);
+        self.note_sent();
         self.report(now);
     }
 
@@ -306,14 +339,23 @@ impl RobotSession {
 
     /// What is to be done next, after anything that happened.
     fn go_on(&mut self, now: Time) -> SessionOutput {
+        self.trust.regain(now);
+        if self.line_down {
+            self.note_link(now);
+            return std::mem::take(&mut self.out);
+        }
         self.ask_for_state(now);
         self.mind_pause(now);
         self.prove_obedience(now);
+        self.ask_for_factsheet();
         if !self.mind_cancel(now) && self.not_ready(now).is_none() {
             self.note_arrival(now);
             if !self.mind_charge(now) {
                 self.mind_order(now);
             }
+        }
+        for _lie in self.out.noticed.iter().filter(|notice| notice.is_lie()) {
+            self.trust.lose(now);
         }
         self.note_link(now);
         std::mem::take(&mut self.out)

@@ -20,6 +20,7 @@ use std::sync::Arc;
 mod lies;
 mod losses;
 mod people;
+mod presence;
 
 const PERIOD: Span = Span::from_millis(100);
 const FLOOR: &str = "lab";
@@ -152,9 +153,14 @@ impl LinkFloor {
         self.fleet.warehouse().clone()
     }
 
-    fn switch_on(&mut self, mut setup: RobotSetup, node: NodeId) {
+    fn switch_on(&mut self, setup: RobotSetup, node: NodeId) {
+        self.switch_on_beside(setup, node, 0.0);
+    }
+
+    /// Switches a robot on this far from a node, metres.
+    fn switch_on_beside(&mut self, mut setup: RobotSetup, node: NodeId, off_m: f64) {
         let place = &self.map().nodes[node];
-        (setup.position.x, setup.position.y) = (place.at.x, place.at.y);
+        (setup.position.x, setup.position.y) = (place.at.x + off_m, place.at.y);
         setup.position.map = FLOOR.into();
         setup.last_node = place.name.clone();
         setup.serial = format!("r{}", self.pairs.len());
@@ -236,9 +242,9 @@ impl LinkFloor {
                 pair.joined_at.get_or_insert(self.now);
                 let out = pair.session.join(self.now, SessionStart { robot, at, granted, recalls, rack });
                 self.take(i, out, inputs);
-            } else if pair.session.not_placed(self.now).is_none() {
-                let node = pair.session.node().expect("it is ready");
+            } else if let Some(at) = pair.session.whereabouts(self.now) {
                 let kind = self.fleet.ledger().kinds()[0].name.clone();
+                let node = self.fleet.place_to_join(&kind, at).expect("the floor has room");
                 let link = Some("mqtt".to_owned());
                 inputs.push(Input::ask(JOINS, RobotAction::Register { name, kind, node, link }));
             }
@@ -474,7 +480,7 @@ fn a_robot_drives_only_once_it_has_paused_and_gone_on_where_it_stands() {
             Message::InstantActions(actions) => Some(actions[0].kind.as_str()),
             _ => None,
         })
-        .filter(|kind| *kind != "stateRequest")
+        .filter(|kind| !kind.ends_with("Request"))
         .collect();
     assert_eq!(told, ["startPause", "stopPause"]);
     let first = |wanted: TopicKind| floor.pairs[0].told.iter().position(|(_, kind, _)| *kind == wanted);

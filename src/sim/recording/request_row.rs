@@ -10,8 +10,8 @@ use super::kind_row::KindRow;
 use super::said_row::Says;
 use giveway_fleet::{
     Asker, AssignmentRequest, Binds, ClientKey, Closure, FloorAction, Input, JobAction, JobChange,
-    JobRequest, LinkState, LocalClock, ObeyedLimits, Recurrence, RecurringClosure, Request, RobotAction,
-    Token, USUAL_KIND, Weekdays, WorkerAction,
+    JobRequest, LinkReach, LinkState, LocalClock, ObeyedLimits, Recurrence, RecurringClosure, Request,
+    RobotAction, Token, USUAL_KIND, Weekdays, WorkerAction,
 };
 use giveway_floor::geometry::Spot;
 use giveway_floor::id::{
@@ -37,8 +37,9 @@ pub(super) enum RequestRow {
     RegisterAt(String, u32, String, String),
     /// Robot, whether it is connected, how many visits it holds, why it takes no orders.
     Link(u32, bool, Option<usize>, Option<String>),
-    /// The same, the most that it obeys of speed limits, and the stop at which it failed.
-    Linked(u32, bool, Option<usize>, Option<String>, String, Option<u64>),
+    /// Robot, whether messages get through, how many visits it holds, why it takes no orders, the most that it obeys
+    /// of speed limits, and the stop at which it failed.
+    Linked(u32, String, Option<usize>, Option<String>, String, Option<u64>),
     Maintain(u64, u32, bool),
     Retire(u64, u32),
     TakeRack(u64, u32, u32),
@@ -166,12 +167,14 @@ impl RequestRow {
 
     /// The row for the state of a robot's link.
     pub fn link(robot: RobotId, state: &LinkState) -> RequestRow {
-        let LinkState { connected, capacity, refuses, limits, failed_stop } = state.clone();
-        match (limits, failed_stop) {
-            (ObeyedLimits::Speeds, None) => RequestRow::Link(robot.0, connected, capacity, refuses),
+        let LinkState { reach, capacity, refuses, limits, failed_stop } = state.clone();
+        match (reach, limits, failed_stop) {
+            (LinkReach::ByReports | LinkReach::Lost, ObeyedLimits::Speeds, None) => {
+                RequestRow::Link(robot.0, reach.is_up(), capacity, refuses)
+            }
             _ => {
-                let limits = limits.word().to_owned();
-                RequestRow::Linked(robot.0, connected, capacity, refuses, limits, failed_stop)
+                let [reach, limits] = [reach.word(), limits.word()].map(str::to_owned);
+                RequestRow::Linked(robot.0, reach, capacity, refuses, limits, failed_stop)
             }
         }
     }
@@ -184,10 +187,10 @@ impl RequestRow {
             RequestRow::RegisterAs(name, node, kind) => joins((name, kind, None), node),
             RequestRow::RegisterAt(name, node, kind, link) => joins((name, kind, Some(link)), node),
             RequestRow::Link(robot, connected, capacity, refuses) => {
-                linked(robot, (connected, capacity, refuses), (ObeyedLimits::Speeds, None))
+                linked(robot, (reach_before(connected), capacity, refuses), (ObeyedLimits::Speeds, None))
             }
-            RequestRow::Linked(robot, connected, capacity, refuses, limits, failed_stop) => {
-                linked(robot, (connected, capacity, refuses), (limits_of(&limits), failed_stop))
+            RequestRow::Linked(robot, reach, capacity, refuses, limits, failed_stop) => {
+                linked(robot, (reach_of(&reach), capacity, refuses), (limits_of(&limits), failed_stop))
             }
             RequestRow::Maintain(token, robot, begins) => ask(token, maintained(robot, begins).into()),
             RequestRow::Retire(token, robot) => ask(token, RobotAction::Retire(RobotId(robot)).into()),
@@ -265,13 +268,23 @@ fn limits_of(word: &str) -> ObeyedLimits {
     ObeyedLimits::of_word(word).unwrap_or(ObeyedLimits::Nothing)
 }
 
+/// Whether messages get through, in the words of older recordings.
+fn reach_before(connected: bool) -> LinkReach {
+    if connected { LinkReach::ByReports } else { LinkReach::Lost }
+}
+
+/// Whether messages get through; they do not, if a later version has written a word that this one does not know.
+fn reach_of(word: &str) -> LinkReach {
+    LinkReach::of_word(word).unwrap_or(LinkReach::Lost)
+}
+
 /// The input for the state of a robot's link.
 fn linked(
     robot: u32,
-    (connected, capacity, refuses): (bool, Option<usize>, Option<String>),
+    (reach, capacity, refuses): (LinkReach, Option<usize>, Option<String>),
     (limits, failed_stop): (ObeyedLimits, Option<u64>),
 ) -> Input {
-    Input::Link(RobotId(robot), LinkState { connected, capacity, refuses, limits, failed_stop })
+    Input::Link(RobotId(robot), LinkState { reach, capacity, refuses, limits, failed_stop })
 }
 
 /// Registers a robot. The reply was given when this was recorded.

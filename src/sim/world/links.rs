@@ -5,7 +5,7 @@
 
 use crate::random::Stream;
 use crate::scenario::Faults;
-use giveway_fleet::{Command, Input, LinkState};
+use giveway_fleet::{Command, Input, LinkReach, LinkState};
 use giveway_floor::id::RobotId;
 use giveway_floor::time::{Span, Time};
 
@@ -36,7 +36,7 @@ impl LinkTrouble {
 
     /// Whether messages get through.
     pub fn is_connected(&self) -> bool {
-        self.state.as_ref().is_none_or(|(state, _)| state.connected)
+        self.state.as_ref().is_none_or(|(state, _)| state.reach.is_up())
     }
 
     /// Whether orders get through.
@@ -71,7 +71,7 @@ impl LinkTrouble {
     fn draw(&mut self) -> LinkState {
         let usual = LinkState::default();
         match self.random.below(3) {
-            0 => LinkState { connected: false, ..usual },
+            0 => LinkState { reach: LinkReach::Lost, ..usual },
             1 => LinkState { refuses: Some("somebody works on it".into()), ..usual },
             _ => LinkState { capacity: Some(FEW.0 + self.random.below(FEW.1)), ..usual },
         }

@@ -4,6 +4,7 @@
 
 pub mod halt;
 pub mod kinds;
+pub mod linked;
 pub mod robot_life;
 pub mod robots;
 pub mod why;

@@ -54,6 +54,10 @@ pub struct RobotLinkDto {
     pub name: String,
     /// Whether messages reach the robot, as far as the link knows.
     pub connected: bool,
+    /// How the link knows: `by_reports` (it does not: a robot that sends no reports is silent), `answers` (the robot
+    /// answers when it is asked), `lost` (nothing reaches it), `line_down` (nothing reaches any robot of the link).
+    #[schema(example = "answers")]
+    pub reach: &'static str,
     /// How many visits beyond the last one reached an order can contain; null for any number.
     pub capacity: Option<usize>,
     /// Why the robot takes no orders, in the link's words; null if it takes them.
@@ -63,8 +67,14 @@ pub struct RobotLinkDto {
 
 impl From<&RobotView> for RobotLinkDto {
     fn from(row: &RobotView) -> RobotLinkDto {
-        let LinkState { connected, capacity, refuses, .. } = row.link_state.clone().unwrap_or_default();
-        RobotLinkDto { name: row.link.clone(), connected, capacity, refuses }
+        let LinkState { reach, capacity, refuses, .. } = row.link_state.clone().unwrap_or_default();
+        RobotLinkDto {
+            name: row.link.clone(),
+            connected: reach.is_up(),
+            reach: reach.word(),
+            capacity,
+            refuses,
+        }
     }
 }
 

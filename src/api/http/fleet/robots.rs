@@ -5,8 +5,11 @@
 //!
 //! Main types: [`NewRobot`], [`TakenRack`]. Refuses: to let a robot join where another robot is, or will be.
 
+use crate::http::fleet::linked::not_done;
 use crate::http::shared::done::done;
 use crate::http::shared::named::{parse_robot, unknown};
+use crate::port::linked::{LinkQuestion, NewLinked};
+use crate::state::api::Api;
 use crate::state::called::Called;
 use crate::wire::error::{FieldError, Problem};
 use crate::wire::extract::{JsonBody, PathPart};
@@ -31,9 +34,22 @@ pub struct NewRobot {
     #[serde(default = "usual_kind")]
     #[schema(example = "robot")]
     kind: String,
-    /// Id of the node on which the robot stands.
+    /// Id of the node on which the robot stands; absent for a robot that speaks VDA 5050, which says so itself.
+    #[serde(default)]
     #[schema(example = "C1-15")]
-    node: String,
+    node: Option<String>,
+    /// For a robot that speaks VDA 5050: the manufacturer, as in its topics.
+    #[serde(default)]
+    #[schema(example = "acme")]
+    manufacturer: Option<String>,
+    /// For a robot that speaks VDA 5050: the serial number, as in its topics.
+    #[serde(default)]
+    #[schema(example = "0001")]
+    serial: Option<String>,
+    /// For a robot that speaks VDA 5050: the version that is spoken with it; the one that it says if absent.
+    #[serde(default)]
+    #[schema(example = "2.1.0")]
+    version: Option<String>,
     /// The name of the link to the robot, one of the site's links; if absent, the only link.
     #[serde(default)]
     #[schema(example = "sim")]
@@ -61,7 +77,9 @@ fn usual_kind() -> String {
     USUAL_KIND.to_owned()
 }
 
-/// Register a robot that stands on a node that no other robot holds. The same name is the same robot.
+/// Register a robot that stands on a node that no other robot holds. The same name is the same robot. A robot that
+/// speaks VDA 5050 is registered with `manufacturer` and `serial` in place of `node`: it joins where it says that it
+/// stands, and GET /v1/robots/{id}/link says what is missing until then.
 #[utoipa::path(post, path = "/v1/robots", tag = "floor",
     operation_id = "registerRobot", request_body = NewRobot, responses(
     (status = 201, description = "It has joined, and that is durable; GET /v1/robots shows it", body = JoinedDto),
@@ -74,14 +92,42 @@ pub async fn register(
 ) -> Result<(StatusCode, Json<JoinedDto>), Problem> {
     let name = new.name.trim().to_owned();
     let mut wrong: Vec<FieldError> = FieldError::of_plain_name(&name, LONGEST_NAME).into_iter().collect();
-    let node = api.map.node_named(&new.node);
-    if node.is_none() {
-        wrong.push(FieldError::new("node", unknown("node", &new.node)));
-    }
-    let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
-    let Made { new, .. } = api.ask(Ask::register_robot(name.clone(), new.kind, node, new.link)).await?;
-    let status = if new { StatusCode::CREATED } else { StatusCode::OK };
+    let NewRobot { kind, node, manufacturer, serial, version, link, .. } = new;
+    let is_new = match (node, manufacturer, serial) {
+        (None, Some(manufacturer), Some(serial)) if wrong.is_empty() => {
+            list(&api, NewLinked { name: name.clone(), manufacturer, serial, kind, version }).await?
+        }
+        (Some(named), None, None) => {
+            let node = api.map.node_named(&named);
+            if node.is_none() {
+                wrong.push(FieldError::new("node", unknown("node", &named)));
+            }
+            let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
+            let Made { new, .. } = api.ask(Ask::register_robot(name.clone(), kind, node, link)).await?;
+            new
+        }
+        (None, Some(_), Some(_)) => return Err(Problem::invalid(wrong)),
+        _ => {
+            wrong.push(FieldError::new("node", requests::node_or_address()));
+            return Err(Problem::invalid(wrong));
+        }
+    };
+    let status = if is_new { StatusCode::CREATED } else { StatusCode::OK };
     Ok((status, Json(JoinedDto { id: name })))
+}
+
+/// Lists a robot that speaks VDA 5050, for good. Gives whether it is new.
+async fn list(api: &Api, new: NewLinked) -> Result<bool, Problem> {
+    let name = new.name.clone();
+    let listed = api.ask_link(|reply| LinkQuestion::List(new.clone(), reply)).await?;
+    let is_new = listed.map_err(|why| not_done(&name, why))?;
+    if let Err(why) = api.records.keep_linked(new).await {
+        if is_new {
+            api.ask_link(|reply| LinkQuestion::Unlist(name, reply)).await?;
+        }
+        return Err(Problem::of_records(why));
+    }
+    Ok(is_new)
 }
 
 /// Take a robot off the floor for good. It finishes what it has begun, gives back jobs that it has not begun, and goes
@@ -93,6 +139,13 @@ pub async fn register(
     (status = 204, description = "It will leave, and that is durable"),
     (status = 409, description = "It has left already")))]
 pub async fn retire(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+    if api.link.is_some() {
+        api.records.forget_linked(id.clone()).await.map_err(Problem::of_records)?;
+        let was_listed = api.ask_link(|reply| LinkQuestion::Unlist(id.clone(), reply)).await?;
+        if was_listed && parse_robot(&api, &id).is_err() {
+            return Ok(StatusCode::NO_CONTENT);
+        }
+    }
     done(&api, Ask::retire(parse_robot(&api, &id)?)).await
 }
 

@@ -2,17 +2,19 @@
 //!
 //! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: to query durable lists.
 
+use crate::dto::linked::{LinkedRobotDto, UnlistedRobotDto};
 use crate::dto::names::{Names, Page, RackDto, RobotDto, StationDto};
 use crate::http::shared::named::robot_named;
 use crate::http::shared::paging::{Paging, is_wanted, named, page, read_words, refuse_wrong};
+use crate::port::linked::LinkQuestion;
 use crate::state::called::Called;
 use crate::wire::error::Problem;
 use crate::wire::extract::{Params, read_time};
 use crate::wire::words::{ActivityDto, RobotStateDto};
 use axum::Json;
 use giveway_fleet::{Activity, RobotView};
-use serde::Deserialize;
-use utoipa::IntoParams;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
 
 /// List all racks.
 #[utoipa::path(get, path = "/v1/racks", tag = "floor", operation_id = "listRacks", params(Paging), responses(
@@ -79,20 +81,36 @@ pub struct RobotParams {
     /// Only robots that have had their activity since this time or later, RFC 3339.
     #[param(example = "2027-01-31T06:00:00Z")]
     updated_since: Option<String>,
+    /// Whether to add robots that speak VDA 5050 and have not joined: those that are listed, and those that nobody
+    /// listed.
+    #[serde(default)]
+    unlisted: bool,
     /// How many items at most, 1 to 500; 100 if absent.
     limit: Option<u32>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
+/// Robots on the floor and, if asked for, robots that have not joined.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct RobotsDto {
+    #[serde(flatten)]
+    robots: Page<RobotDto>,
+    /// Robots that are listed and have not joined the fleet, if `unlisted` was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    waiting: Option<Vec<LinkedRobotDto>>,
+    /// Robots that were heard of and that nobody listed, if `unlisted` was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    unlisted: Option<Vec<UnlistedRobotDto>>,
+}
+
 /// List the robots on the floor.
 #[utoipa::path(get, path = "/v1/robots", tag = "floor", operation_id = "listRobots", params(RobotParams), responses(
-    (status = 200, description = "Robots in order of joining", body = Page<RobotDto>),
+    (status = 200, description = "Robots in order of joining", body = RobotsDto),
     (status = 422)))]
-pub async fn robots(
-    Called(api): Called,
-    Params(p): Params<RobotParams>,
-) -> Result<Json<Page<RobotDto>>, Problem> {
+pub async fn robots(Called(api): Called, Params(p): Params<RobotParams>) -> Result<Json<RobotsDto>, Problem> {
     let mut errors = Vec::new();
     let activities = Activity::ALL.map(Activity::word);
     let activities = read_words("activity", p.activity.as_deref(), &activities, &mut errors);
@@ -113,5 +131,15 @@ pub async fn robots(
             && since.is_none_or(|t| r.since >= t)
     };
     let robots = moment.view.robots.iter().filter(wanted).map(|r| names.one_robot(r)).collect();
-    page(robots, &Paging { limit: p.limit, cursor: p.cursor })
+    let Json(robots) = page(robots, &Paging { limit: p.limit, cursor: p.cursor })?;
+    let (waiting, unlisted) = match p.unlisted {
+        true => {
+            let waiting = api.ask_link(LinkQuestion::Waiting).await?.into_iter().map(LinkedRobotDto::from);
+            let unlisted =
+                api.ask_link(LinkQuestion::Unlisted).await?.into_iter().map(UnlistedRobotDto::from);
+            (Some(waiting.collect()), Some(unlisted.collect()))
+        }
+        false => (None, None),
+    };
+    Ok(Json(RobotsDto { robots, waiting, unlisted }))
 }

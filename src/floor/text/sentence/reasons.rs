@@ -107,6 +107,7 @@ sentences! {
     told_to_stop() = "was told to stop: there is no way on";
     person_stands() = "stands, and may walk on or not";
     person_lost() = "cannot be placed: the headset has lost its place";
+    line_down() = "cannot be reached, as no robot of its link can: it stands at the end of what it was granted";
     arm_is_silent() = "the arm is silent";
     arm_reports_late() = "the arm's reports are late";
     arm_joints_impossible() = "the arm reports joints that it cannot have";

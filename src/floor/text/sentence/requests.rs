@@ -12,6 +12,14 @@ sentences! {
     fields_are_wrong(errors) = "{errors}";
     required_for(kind) = "required for {kind}";
     no_such_thing(what, name, path) = "there is no {what} \"{name}\"; GET {path} lists them";
+    no_robot_link() =
+        "the floor has no link to robots of other vendors: give the site `links.mqtt`, or start with --mqtt";
+    robot_not_linked(name) =
+        "no robot \"{name}\" speaks VDA 5050 here; GET /v1/robots?unlisted=true lists who is heard";
+    link_refuses(words) = "{words}";
+    action_not_remembered(action) = "no action \"{action}\" is remembered; the last 50 of each robot are";
+    node_or_address() =
+        "say where a robot stands with `node`, or how to reach it with `manufacturer` and `serial`: not both";
     no_such_name(what, name, fault) = "there is no {what} \"{name}\": {fault}";
     stops_have_their_own() = "leave it out where there are stops: each of them has its own";
     station_twice(station) = "\"{station}\" comes twice in a row: put the picks into one";

@@ -14,9 +14,11 @@ pub use mqtt::{MqttRobots, connect};
 
 pub use sim::{FloorSource, SimulatedFloor};
 
+use giveway_api::{LinkCounts, LinkQuestion};
 use giveway_drive::{Drive, DriveAlarm, LinkOutput};
 use giveway_fleet::Input;
 use giveway_floor::time::Time;
+use tokio::sync::mpsc;
 
 /// All links of a floor.
 #[derive(Default)]
@@ -36,13 +38,23 @@ impl Links {
     /// Everything that was heard since the last call.
     pub fn hear(&mut self, now: Time, drive: &mut Drive) -> Vec<Input> {
         let mut heard = self.sim.as_mut().map(|sim| sim.hear(now, drive)).unwrap_or_default();
-        heard.extend(self.mqtt.iter_mut().flat_map(|mqtt| mqtt.hear(now, drive.fleet().ledger())));
+        heard.extend(self.mqtt.iter_mut().flat_map(|mqtt| mqtt.hear(now, drive.fleet())));
         heard
+    }
+
+    /// Where questions to the link to robots of others go, if there is one.
+    pub fn desk(&self) -> Option<mpsc::Sender<LinkQuestion>> {
+        self.mqtt.as_ref().map(MqttRobots::desk)
     }
 
     /// Alarms of links that began or ended since the last call.
     pub fn take_alarms(&mut self) -> Vec<DriveAlarm> {
         self.mqtt.as_mut().map(MqttRobots::take_alarms).unwrap_or_default()
+    }
+
+    /// What the link to robots of others counted since the last call, if there is one.
+    pub fn take_counts(&mut self, now: Time) -> Option<LinkCounts> {
+        self.mqtt.as_mut().map(|mqtt| mqtt.take_counts(now))
     }
 
     /// Passes output on to the links.

@@ -48,6 +48,12 @@ pub struct Show {
 /// The folder of frames, which is deleted with the show.
 struct Recordings(PathBuf);
 
+impl Recordings {
+    fn of_this_process() -> Recordings {
+        Recordings(std::env::temp_dir().join(format!("giveway-replay-{}", std::process::id())))
+    }
+}
+
 impl Drop for Recordings {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
@@ -71,8 +77,7 @@ impl Show {
         let taken = || format!("cannot listen on {listen_at}: choose another with --listen");
         let listener = TcpListener::bind(listen_at).await.with_context(taken)?;
         let (address, map) = (listener.local_addr()?, player.fleet.warehouse().clone());
-        let recordings =
-            Recordings(std::env::temp_dir().join(format!("giveway-replay-{}", std::process::id())));
+        let recordings = Recordings::of_this_process();
         let kept = Folder::open(recordings.0.clone(), map.clone(), player.scenario.site.name.clone(), None);
         let kept = Arc::new(kept.with_context(|| format!("cannot write to {}", recordings.0.display()))?);
         let rotation = Rotation::new(kept.clone(), ALL);
@@ -94,6 +99,7 @@ impl Show {
             queue: None,
             hooks: None,
             questions: ask,
+            link: None,
             alarms: alarms.clone(),
             past: Some(kept),
             live: live.clone(),

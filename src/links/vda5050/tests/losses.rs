@@ -3,6 +3,16 @@
 use super::*;
 
 impl LinkFloor {
+    /// Something happens to the line to all robots.
+    fn tell_all(&mut self, act: impl Fn(&mut RobotSession, Time) -> SessionOutput) {
+        let mut inputs = Vec::new();
+        for i in 0..self.pairs.len() {
+            let out = act(&mut self.pairs[i].session, self.now);
+            self.take(i, out, &mut inputs);
+        }
+        self.step(inputs);
+    }
+
     /// The process dies and begins anew from the ledger; robots go on.
     fn restart(&mut self) {
         let (ledger, settings) = (self.fleet.ledger().clone(), self.fleet.settings().clone());
@@ -44,6 +54,48 @@ fn messages_that_are_lost_doubled_late_and_overtaken_change_no_outcome() {
         let jobs = floor.submit_deliveries(8);
         floor.until_done(&jobs, 3600);
     }
+}
+
+#[test]
+fn while_the_line_to_all_robots_is_down_no_job_changes_hands_and_afterwards_all_are_done() {
+    let setups = vec![standard(Version::V2_0), standard(Version::V2_1), standard(Version::V3_0)];
+    let mut floor = LinkFloor::new(thesis(), setups);
+    floor.all_ready();
+    let jobs = floor.submit_deliveries(6);
+    let work = |f: &LinkFloor| f.fleet.ledger().robots.iter().map(|r| r.task.job()).collect::<Vec<_>>();
+    floor.until(60, "all have jobs", |f| work(f).iter().all(Option::is_some));
+    let before = work(&floor);
+    floor.chance.lost = 1.0;
+    floor.tell_all(|session, now| session.line_is_down(now));
+    floor.run(90);
+    assert_eq!(work(&floor), before);
+    floor.chance.lost = 0.0;
+    floor.tell_all(|session, now| session.line_is_back(now));
+    floor.until_done(&jobs, 1800);
+}
+
+#[test]
+fn a_robot_that_is_silent_for_long_gives_back_a_job_that_it_has_not_begun() {
+    let setups = vec![standard(Version::V2_1), standard(Version::V2_1)];
+    let mut floor = LinkFloor::new(thesis(), setups);
+    floor.all_ready();
+    let jobs = floor.submit_deliveries(2);
+    let has_job = |f: &LinkFloor| f.fleet.ledger().robots.iter().all(|r| r.task.job().is_some());
+    floor.until(60, "both have jobs", has_job);
+    floor.pairs[0].robot.robot.lose_broker();
+    let lost = RobotHeard::Connection(giveway_vda5050::ConnectionState::Broken);
+    let (out, mut inputs) = (floor.pairs[0].session.hear(floor.now, lost), Vec::new());
+    floor.take(0, out, &mut inputs);
+    floor.step(inputs);
+    let silent = floor.pairs[0].number.expect("it has joined");
+    let job = floor.fleet.ledger().robots[silent].task.job().expect("it has one");
+    let has_it = |f: &LinkFloor| f.fleet.ledger().robots[silent].task.job() == Some(job);
+    floor.run(30);
+    assert!(has_it(&floor), "it may come back");
+    floor.run(10);
+    assert!(!has_it(&floor), "others do it");
+    floor.pairs[0].robot.robot.find_broker();
+    floor.until_done(&jobs, 1800);
 }
 
 /// A floor of drawn robots with drawn faults: every job ends as done, once.

@@ -4,22 +4,25 @@
 //! they obey; others that the broker knows are never driven. Refuses: to believe a message that names another robot
 //! than its topic.
 
+mod desk;
+mod robot;
+
 use crate::mqtt::{LineEvent, LineMessage, LineSetup, MqttLine, broker_of, is_loopback, tls_of};
 use anyhow::Context;
+use giveway_api::{LINK_QUESTIONS, LinkCounts, LinkQuestion, UnlistedRobot};
 use giveway_drive::{DriveAlarm, LinkOutput};
 use giveway_fleet::alarm::AlarmKind;
-use giveway_fleet::{Asker, Input, Ledger, Reply, RobotAction, Token};
-use giveway_floor::id::{NodeId, RobotId};
+use giveway_fleet::{Asker, Fleet, Input, Ledger, Reply, RobotAction, Token};
+use giveway_floor::id::RobotId;
 use giveway_floor::text::Sentence;
 use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
-use giveway_links::vda5050::{
-    MessageStamp, Notice, RobotHeard, RobotSession, RobotTold, SessionOutput, SessionStart,
-};
-use giveway_site::{InstantKey, ListedRobot, MQTT_LINK, MqttLink};
-use giveway_vda5050::{Address, Header, Message, TopicKind, Version, read, write};
-use std::collections::{BTreeMap, VecDeque};
+use giveway_links::vda5050::{MessageStamp, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart};
+use giveway_site::{ListedRobot, MQTT_LINK, MqttLink};
+use giveway_vda5050::{Address, Header, Message, TopicKind, Version, read};
+use robot::RobotHere;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -27,8 +30,8 @@ use tokio::sync::mpsc;
 
 /// Messages taken in one turn; the rest waits for the next.
 const AT_ONCE: usize = 2_000;
-/// Notices kept of each robot.
-const KEPT: usize = 200;
+/// Robots remembered that nobody listed.
+const UNLISTED: usize = 200;
 /// A robot asks to join again after this, if it was not taken.
 const JOINS_AGAIN: Span = Span::from_secs(5);
 /// The token of robots that ask to join.
@@ -44,18 +47,6 @@ const PASSWORD: &str = "GIVEWAY_MQTT_PASSWORD";
 /// What robots say.
 const ALL_KINDS: [TopicKind; 4] =
     [TopicKind::State, TopicKind::Connection, TopicKind::Factsheet, TopicKind::Visualization];
-
-/// A listed robot.
-struct RobotHere {
-    listed: ListedRobot,
-    session: RobotSession,
-    /// Its number, once it has joined.
-    number: Option<RobotId>,
-    /// The number of the next message of each kind.
-    next: BTreeMap<TopicKind, u32>,
-    asked_to_join: Option<Time>,
-    noticed: VecDeque<(Time, Notice)>,
-}
 
 /// The line to the broker.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -80,11 +71,18 @@ pub struct MqttRobots {
     events: mpsc::Receiver<LineEvent>,
     state: BrokerState,
     robots: BTreeMap<Address, RobotHere>,
+    /// Robots that were heard of and that nobody listed.
+    unlisted: BTreeMap<Address, UnlistedRobot>,
+    /// Where people's questions go, and what was asked.
+    desk: mpsc::Sender<LinkQuestion>,
+    questions: mpsc::Receiver<LinkQuestion>,
     numbers: BTreeMap<RobotId, Address>,
     inputs: Vec<Input>,
     alarms: Vec<DriveAlarm>,
     /// Whether an alarm about claims is raised, and when one was noticed last.
     claimed: Option<Time>,
+    has_new_claims: bool,
+    counts: LinkCounts,
     begun: Time,
 }
 
@@ -131,15 +129,21 @@ pub fn connect(link: MqttLink, floor: &str) -> anyhow::Result<BegunLine> {
 impl MqttRobots {
     /// The robots of a site, behind a line that has begun.
     pub fn new(begun: BegunLine, map: Arc<Warehouse>, now: Time) -> MqttRobots {
+        let (desk, questions) = mpsc::channel(LINK_QUESTIONS);
         let BegunLine { link, line, heard: events } = begun;
         let boot = now.0.unsigned_abs() / 1_000_000;
         let mut all = MqttRobots {
             robots: BTreeMap::new(),
+            unlisted: BTreeMap::new(),
+            desk,
+            questions,
             numbers: BTreeMap::new(),
             state: BrokerState::Begins,
             inputs: Vec::new(),
             alarms: Vec::new(),
             claimed: None,
+            has_new_claims: false,
+            counts: LinkCounts::default(),
             begun: now,
             link,
             map,
@@ -148,11 +152,21 @@ impl MqttRobots {
             events,
         };
         for listed in all.link.robots.clone() {
-            let version = listed.version.unwrap_or(Version::V2_0);
-            let robot = all.begin_session(listed, version);
-            all.robots.insert(robot.listed.address.clone(), robot);
+            all.add(listed);
         }
         all
+    }
+
+    /// Lists a robot.
+    fn add(&mut self, listed: ListedRobot) {
+        let version = listed.version.unwrap_or(Version::V2_0);
+        let robot = self.begin_session(listed, version);
+        self.robots.insert(robot.listed.address.clone(), robot);
+    }
+
+    /// Where questions go.
+    pub fn desk(&self) -> mpsc::Sender<LinkQuestion> {
+        self.desk.clone()
     }
 
     /// The topics to listen to.
@@ -161,17 +175,19 @@ impl MqttRobots {
     }
 
     /// Everything that was heard since the last call.
-    pub fn hear(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
-        self.join(now, ledger);
+    pub fn hear(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
+        self.join(now, fleet.ledger());
+        self.let_leave(fleet.ledger());
         for _ in 0..AT_ONCE {
             let Ok(event) = self.events.try_recv() else { break };
             self.take_event(now, event);
         }
-        let addresses: Vec<Address> = self.robots.keys().cloned().collect();
-        for address in addresses {
-            self.with(now, &address, |session| session.tick(now));
-            self.ask_to_join(now, &address, ledger);
+        self.with_all(now, |session| session.tick(now));
+        if self.numbers.len() < self.robots.len() {
+            let addresses: Vec<Address> = self.robots.keys().cloned().collect();
+            addresses.iter().for_each(|address| self.ask_to_join(now, address, fleet));
         }
+        self.answer(now, fleet);
         self.mind_claims(now);
         if self.state == BrokerState::Begins && now - self.begun >= BEGINS {
             self.note_down(now, "it was not there yet".to_owned());
@@ -182,6 +198,14 @@ impl MqttRobots {
     /// Alarms that began or ended since the last call.
     pub fn take_alarms(&mut self) -> Vec<DriveAlarm> {
         std::mem::take(&mut self.alarms)
+    }
+
+    /// What was counted since the last call.
+    pub fn take_counts(&mut self, now: Time) -> LinkCounts {
+        let is_ready = |here: &&RobotHere| here.number.is_some() && here.session.not_ready(now).is_none();
+        let ready = self.robots.values().filter(is_ready).count();
+        let not_ready = self.robots.len() - ready;
+        LinkCounts { ready, not_ready, ..std::mem::take(&mut self.counts) }
     }
 
     /// Passes commands of the fleet on to the robots.
@@ -204,15 +228,13 @@ impl MqttRobots {
                 self.state = BrokerState::Up;
                 self.alarms.push(DriveAlarm::Clear(AlarmKind::BrokerGone));
                 tracing::info!("the broker is there");
-                let addresses: Vec<Address> = self.robots.keys().cloned().collect();
-                for address in addresses {
-                    self.with(now, &address, |session| session.line_is_back(now));
-                }
+                self.with_all(now, |session| session.line_is_back(now));
             }
             LineEvent::Down(why) => self.note_down(now, why),
             LineEvent::Displaced => {
                 tracing::error!("another server has taken the robots over: this one sends nothing any more");
                 self.state = BrokerState::Displaced(now);
+                self.with_all(now, |session| session.line_is_down(now));
                 self.alarms.push(DriveAlarm::Raise(AlarmKind::RobotsTakenOver, alarms::robots_taken_over()));
             }
             LineEvent::Heard { topic, payload } => self.take_message(now, &topic, &payload),
@@ -226,6 +248,7 @@ impl MqttRobots {
         tracing::warn!(why, "the broker is gone; robots drive to the end of what they were released");
         self.alarms.push(DriveAlarm::Raise(AlarmKind::BrokerGone, alarms::broker_gone(&why)));
         self.state = BrokerState::Down(now, why);
+        self.with_all(now, |session| session.line_is_down(now));
     }
 
     /// The alarm about claims ends some time after the last one.
@@ -236,8 +259,11 @@ impl MqttRobots {
         }
     }
 
-    /// Raises the alarm about claims, with the last one of each robot.
-    fn alarm_of_claims(&mut self, now: Time) {
+    /// Raises the alarm about claims if there is a new one, with the last one of each robot.
+    fn raise_claims(&mut self, now: Time) {
+        if !std::mem::take(&mut self.has_new_claims) {
+            return;
+        }
         self.claimed = Some(now);
         let last = |here: &RobotHere| {
             let (at, notice) = here.noticed.iter().rev().find(|(_, notice)| notice.is_lie())?;
@@ -249,12 +275,20 @@ impl MqttRobots {
 
     fn take_message(&mut self, now: Time, topic: &str, payload: &[u8]) {
         let Some((address, level, kind)) = Address::of_topic(topic, &self.link.interface) else { return };
-        if !self.robots.contains_key(&address) {
-            return;
-        }
+        let Some(here) = self.robots.get_mut(&address) else {
+            let said = read(kind, payload).ok().map(|said| said.message);
+            let connection = match said {
+                Some(Message::Connection(connection)) => Some(format!("{connection:?}").to_uppercase()),
+                _ => None,
+            };
+            return self.note_unlisted(now, &address, level, connection);
+        };
+        self.counts.heard += 1;
+        here.keep(now, false, kind, &String::from_utf8_lossy(payload));
         let said = match read(kind, payload) {
             Ok(said) => said,
             Err(why) => {
+                self.counts.unreadable += 1;
                 tracing::warn!(robot = %address, topic, "a message cannot be read: {why}");
                 return;
             }
@@ -289,8 +323,7 @@ impl MqttRobots {
         }
         if robot.session.version() != version && robot.number.is_none() {
             let before = self.robots.remove(address)?;
-            let robot = self.begin_session(before.listed, version);
-            self.robots.insert(address.clone(), robot);
+            self.robots.insert(address.clone(), self.begin_again(before, version));
         }
         let stamp = MessageStamp { id: header.id, timestamp: header.timestamp };
         match message {
@@ -303,10 +336,15 @@ impl MqttRobots {
     }
 
     fn begin_session(&self, listed: ListedRobot, version: Version) -> RobotHere {
-        let form = self.link.kinds.get(&listed.kind).cloned().unwrap_or_default();
-        let session = RobotSession::new(version, form, self.map.clone(), self.boot);
-        let (next, noticed) = Default::default();
-        RobotHere { listed, session, number: None, next, asked_to_join: None, noticed }
+        let settings = self.link.kinds.get(&listed.kind).cloned().unwrap_or_default();
+        RobotHere::new(listed, version, settings, (self.map.clone(), self.boot))
+    }
+
+    /// Another session with a robot, of which what was said is kept.
+    fn begin_again(&self, before: RobotHere, version: Version) -> RobotHere {
+        let mut here = self.begin_session(before.listed, version);
+        (here.said, here.noticed) = (before.said, before.noticed);
+        here
     }
 
     /// Takes robots that the ledger has, by their names, for those that have joined.
@@ -333,101 +371,87 @@ impl MqttRobots {
             };
             self.numbers.insert(robot, address.clone());
             if let Some(here) = self.robots.get_mut(&address) {
-                here.number = Some(robot);
+                (here.number, here.returns) = (Some(robot), false);
             }
             self.with(now, &address, |session| session.join(now, start));
         }
     }
 
-    /// A robot that stands on a node asks to join: it is in others' way whether it obeys yet or not.
-    fn ask_to_join(&mut self, now: Time, address: &Address, ledger: &Ledger) {
+    /// Robots that have left the floor are commanded no more; those that are listed no more are forgotten.
+    fn let_leave(&mut self, ledger: &Ledger) {
+        let is_gone = |robot: &RobotId| ledger.robots.get(*robot).is_none_or(|record| record.is_gone());
+        let gone: Vec<RobotId> = self.numbers.keys().filter(|robot| is_gone(robot)).copied().collect();
+        for robot in gone {
+            let Some(before) = self.numbers.remove(&robot).and_then(|address| self.robots.remove(&address))
+            else {
+                continue;
+            };
+            if !before.leaves {
+                let version = before.session.version();
+                self.robots.insert(before.listed.address.clone(), self.begin_again(before, version));
+            }
+        }
+    }
+
+    /// A robot whose place on the floor is known asks to join, whether it obeys yet or not: it is in others' way. If
+    /// nothing is free where it stands, it joins at the nearest place that is, and its report makes others stop for it.
+    fn ask_to_join(&mut self, now: Time, address: &Address, fleet: &Fleet) {
         let Some(here) = self.robots.get_mut(address) else { return };
         let waits = here.asked_to_join.is_some_and(|asked| now - asked < JOINS_AGAIN);
-        if here.number.is_some() || waits || here.session.not_placed(now).is_some() {
-            return;
-        }
-        let Some(node) = here.session.node() else { return };
-        here.asked_to_join = Some(now);
-        if is_kept(ledger, node) {
+        if here.number.is_some() || waits || here.has_left(fleet.ledger()) {
             return;
         }
         let ListedRobot { name, kind, .. } = here.listed.clone();
-        let joins = RobotAction::Register { name, kind, node, link: Some(MQTT_LINK.to_owned()) };
-        self.inputs.push(Input::ask(JOINS, joins));
+        let place = here.session.whereabouts(now).and_then(|at| fleet.place_to_join(&kind, at));
+        if let Some(node) = place {
+            here.asked_to_join = Some(now);
+            let joins = RobotAction::Register { name, kind, node, link: Some(MQTT_LINK.to_owned()) };
+            self.inputs.push(Input::ask(JOINS, joins));
+        }
+    }
+
+    /// Lets all sessions do something, and sends what comes of it.
+    fn with_all(&mut self, now: Time, mut act: impl FnMut(&mut RobotSession) -> SessionOutput) {
+        let mut robots = std::mem::take(&mut self.robots);
+        for here in robots.values_mut() {
+            let output = act(&mut here.session);
+            self.pass_on(now, here, output);
+        }
+        self.robots = robots;
+        self.raise_claims(now);
     }
 
     /// Lets a session do something, and sends what comes of it.
     fn with(&mut self, now: Time, address: &Address, act: impl FnOnce(&mut RobotSession) -> SessionOutput) {
-        let Some(here) = self.robots.get_mut(address) else { return };
-        let SessionOutput { told, reports, link, noticed } = act(&mut here.session);
+        let Some((address, mut here)) = self.robots.remove_entry(address) else { return };
+        let output = act(&mut here.session);
+        self.pass_on(now, &mut here, output);
+        self.robots.insert(address, here);
+        self.raise_claims(now);
+    }
+
+    /// Passes on what a session wants to happen.
+    fn pass_on(&mut self, now: Time, here: &mut RobotHere, output: SessionOutput) {
+        let SessionOutput { told, reports, link, noticed, taken } = output;
+        self.counts.taken.extend(taken);
+        self.counts.sent += told.len() as u64;
         self.inputs.extend(reports.into_iter().map(Input::Telemetry));
         if let (Some(state), Some(robot)) = (link, here.number) {
             self.inputs.push(Input::Link(robot, state));
         }
-        let lies = noticed.iter().any(Notice::is_lie);
-        for notice in noticed {
-            tracing::warn!(robot = here.listed.name, "{notice}");
-            here.noticed.push_back((now, notice));
-            if here.noticed.len() > KEPT {
-                here.noticed.pop_front();
-            }
-        }
+        self.has_new_claims |= noticed.iter().any(Notice::is_lie);
+        noticed.into_iter().for_each(|notice| here.note(now, notice));
         for told in told {
-            self.send(now, address, told);
+            let version = here.session.version();
+            let message = LineMessage {
+                topic: here.listed.address.topic(&self.link.interface, version, told.kind),
+                payload: here.text_of(now, &told).into_bytes(),
+                confirmed: self.link.qos > 0,
+                retained: false,
+                expires: Some(Duration::from_micros(told.expires.0.unsigned_abs())),
+            };
+            // What cannot be sent now is made anew when the line is back.
+            let _is_sent = self.line.send(message);
         }
-        if lies {
-            self.alarm_of_claims(now);
-        }
     }
-
-    fn send(&mut self, now: Time, address: &Address, told: RobotTold) {
-        let Some(here) = self.robots.get_mut(address) else { return };
-        let version = here.session.version();
-        let next = here.next.entry(told.kind).or_default();
-        let header = Header {
-            id: *next,
-            timestamp: timestamp(now),
-            version: version.text().to_owned(),
-            manufacturer: address.manufacturer().to_owned(),
-            serial: address.serial().to_owned(),
-        };
-        *next = next.wrapping_add(1);
-        let mut text = write(&header, &told.message, version);
-        if told.kind == TopicKind::InstantActions {
-            let form = self.link.kinds.get(&here.listed.kind);
-            name_actions(&mut text, form.map_or(InstantKey::Both, |form| form.instant_key));
-        }
-        let message = LineMessage {
-            topic: address.topic(&self.link.interface, version, told.kind),
-            payload: text.to_string().into_bytes(),
-            confirmed: self.link.qos > 0,
-            retained: false,
-            expires: Some(Duration::from_micros(told.expires.0.unsigned_abs())),
-        };
-        // What cannot be sent now is made anew when the line is back.
-        let _is_sent = self.line.send(message);
-    }
-}
-
-/// Gives instant actions the key that a kind reads. All texts but the first have `actions`.
-fn name_actions(text: &mut serde_json::Value, key: InstantKey) {
-    let Some(fields) = text.as_object_mut() else { return };
-    let Some(actions) = fields.get("actions").cloned() else { return };
-    if key != InstantKey::Actions {
-        fields.insert("instantActions".to_owned(), actions);
-    }
-    if key == InstantKey::InstantActions {
-        fields.remove("actions");
-    }
-}
-
-/// Whether a node is promised to a robot.
-fn is_kept(ledger: &Ledger, node: NodeId) -> bool {
-    ledger.present().any(|robot| ledger.chain(robot).visits().any(|visit| visit.node == node))
-}
-
-/// A time as messages have it: ISO 8601 in UTC, with milliseconds.
-fn timestamp(now: Time) -> String {
-    let at = jiff::Timestamp::from_microsecond(now.0).unwrap_or(jiff::Timestamp::UNIX_EPOCH);
-    format!("{at:.3}")
 }

@@ -1,0 +1,295 @@
+//! What people ask of the link to robots of other vendors, and its answers.
+//!
+//! Main function: [`MqttRobots::answer`]. Refuses: to answer for robots that nobody listed.
+
+use super::robot::RobotHere;
+use super::{MqttRobots, UNLISTED};
+use giveway_api::{
+    ActionFate, LinkQuestion, LinkedRobot, NewLinked, NotDone, OperatorAction, RobotTrust, SaidError,
+    SaidState, UnlistedRobot,
+};
+use giveway_fleet::{Fleet, RobotKind};
+use giveway_floor::geometry::Point;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Footprint;
+use giveway_links::vda5050::{INIT_POSITION, NotReady};
+use giveway_site::ListedRobot;
+use giveway_vda5050::{Address, Factsheet, Parameter, State, Version};
+
+/// Questions answered in one turn.
+const AT_ONCE: usize = 16;
+
+impl MqttRobots {
+    /// Answers what was asked since the last turn; a receiver that is gone is no error.
+    pub(super) fn answer(&mut self, now: Time, fleet: &Fleet) {
+        for _ in 0..AT_ONCE {
+            let Ok(question) = self.questions.try_recv() else { return };
+            self.answer_one(now, fleet, question);
+        }
+    }
+
+    fn answer_one(&mut self, now: Time, fleet: &Fleet, question: LinkQuestion) {
+        match question {
+            LinkQuestion::Robot(name, reply) => {
+                let _ = reply.send(self.named(&name).map(|here| row(here, now, fleet)));
+            }
+            LinkQuestion::Waiting(reply) => {
+                let waiting = self.robots.values().filter(|here| here.number.is_none());
+                let _ = reply.send(waiting.map(|here| row(here, now, fleet)).collect());
+            }
+            LinkQuestion::Unlisted(reply) => {
+                let _ = reply.send(self.unlisted.values().cloned().collect());
+            }
+            LinkQuestion::Messages(name, reply) => {
+                let _ = reply.send(self.named(&name).map(|here| here.said.iter().cloned().collect()));
+            }
+            LinkQuestion::Act(name, action, reply) => {
+                let _ = reply.send(self.act(now, &name, action));
+            }
+            LinkQuestion::Fate(name, id, reply) => {
+                let _ = reply.send(self.named(&name).and_then(|here| fate(here, &id)));
+            }
+            LinkQuestion::Consent(name, reply) => {
+                let _ = reply.send(self.consent(now, &name));
+            }
+            LinkQuestion::Settle(name, reply) => {
+                let _ = reply.send(self.settle(now, &name, fleet));
+            }
+            LinkQuestion::List(new, reply) => {
+                let _ = reply.send(self.list(new, fleet));
+            }
+            LinkQuestion::Unlist(name, reply) => {
+                let _ = reply.send(self.unlist(&name));
+            }
+        }
+    }
+
+    fn named(&self, name: &str) -> Option<&RobotHere> {
+        self.robots.values().find(|here| here.listed.name == name)
+    }
+
+    fn address_of(&self, name: &str) -> Result<Address, NotDone> {
+        self.named(name).map(|here| here.listed.address.clone()).ok_or(NotDone::Unknown)
+    }
+
+    fn act(&mut self, now: Time, name: &str, action: OperatorAction) -> Result<String, NotDone> {
+        let address = self.address_of(name)?;
+        let here = self.robots.get_mut(&address).ok_or(NotDone::Unknown)?;
+        let OperatorAction { kind, parameters, place } = action;
+        let given = parameters.into_iter().map(|(key, value)| Parameter { key, value });
+        let parameters = match place {
+            Some(place) if kind == INIT_POSITION => here.session.init_position(place),
+            Some(_) => Err(format!("a place goes with {INIT_POSITION} only")),
+            None => Ok(given.collect()),
+        };
+        let sent = parameters.and_then(|parameters| here.session.act(now, &kind, parameters));
+        let (id, output) = sent.map_err(NotDone::Refused)?;
+        self.with(now, &address, |_| output);
+        Ok(id)
+    }
+
+    fn consent(&mut self, now: Time, name: &str) -> Result<(), NotDone> {
+        let address = self.address_of(name)?;
+        let why = self.robots.get(&address).and_then(|here| here.session.not_ready(now));
+        if !matches!(why, Some(NotReady::NoPause(_))) {
+            let words = "there is nothing to agree to: the robot has not failed to pause when told to";
+            return Err(NotDone::Refused(words.to_owned()));
+        }
+        self.with(now, &address, |session| {
+            session.consent();
+            session.tick(now)
+        });
+        Ok(())
+    }
+
+    fn settle(&mut self, now: Time, name: &str, fleet: &Fleet) -> Result<(), NotDone> {
+        let address = self.address_of(name)?;
+        let here = self.robots.get(&address).ok_or(NotDone::Unknown)?;
+        let refuses = matches!(here.session.not_ready(now), Some(NotReady::Rejects(_)));
+        if here.session.failure().is_none() && !refuses {
+            let words = "no action of the robot has failed, and it refuses no orders";
+            return Err(NotDone::Refused(words.to_owned()));
+        }
+        let rack = here.number.and_then(|robot| fleet.ledger().rack_on(robot));
+        self.with(now, &address, |session| {
+            session.settle(rack);
+            session.tick(now)
+        });
+        Ok(())
+    }
+
+    /// Lists a robot. Gives whether it is new.
+    fn list(&mut self, new: NewLinked, fleet: &Fleet) -> Result<bool, NotDone> {
+        let refused = |words: String| Err(NotDone::Refused(words));
+        let address = Address::new(&new.manufacturer, &new.serial);
+        let address = address.map_err(|why| NotDone::Refused(why.to_string()))?;
+        let version = match new.version.as_deref().map(|text| (text, Version::of_text(text))) {
+            Some((text, None)) => {
+                return refused(format!("version {text} is not spoken: 2.0.0, 2.1.0 or 3.0.0"));
+            }
+            Some((_, version)) => version,
+            None => None,
+        };
+        if fleet.ledger().kinds().named(&new.kind).is_none() {
+            return refused(format!("there is no kind {}: GET /v1/kinds lists the kinds", new.kind));
+        }
+        let listed = ListedRobot { name: new.name, address, kind: new.kind, version };
+        if let Some(here) = self.robots.get_mut(&listed.address).filter(|here| here.listed == listed) {
+            let comes_back = here.has_left(fleet.ledger());
+            (here.leaves, here.returns) = (false, comes_back);
+            return Ok(comes_back);
+        }
+        match (self.robots.get(&listed.address), self.named(&listed.name)) {
+            (Some(here), _) => return refused(format!("this robot is listed as {}", here.listed.name)),
+            (None, Some(here)) => {
+                return refused(format!("{} is another robot: {}", listed.name, here.listed.address));
+            }
+            (None, None) => {}
+        }
+        self.unlisted.remove(&listed.address);
+        self.add(listed);
+        Ok(true)
+    }
+
+    /// Lists a robot no more. One that drives is retired first, and leaves the list when it is gone.
+    fn unlist(&mut self, name: &str) -> bool {
+        let Ok(address) = self.address_of(name) else { return false };
+        match self.robots.get_mut(&address) {
+            Some(here) if here.number.is_some() => here.leaves = true,
+            _ => _ = self.robots.remove(&address),
+        }
+        true
+    }
+
+    /// Remembers a robot that nobody listed. What many of them say costs no more than a few.
+    pub(super) fn note_unlisted(
+        &mut self,
+        now: Time,
+        address: &Address,
+        level: &str,
+        connection: Option<String>,
+    ) {
+        if self.unlisted.len() >= UNLISTED && !self.unlisted.contains_key(address) {
+            return;
+        }
+        let row = self.unlisted.entry(address.clone()).or_insert_with(|| UnlistedRobot {
+            manufacturer: address.manufacturer().to_owned(),
+            serial: address.serial().to_owned(),
+            version: level.to_owned(),
+            heard: now,
+            connection: None,
+        });
+        (row.heard, row.version) = (now, level.to_owned());
+        row.connection = connection.or(row.connection.take());
+    }
+}
+
+fn fate(here: &RobotHere, id: &str) -> Option<ActionFate> {
+    let sent = here.session.sent_action(id)?;
+    let status = sent.status.map_or("SENT".to_owned(), |status| format!("{status:?}").to_uppercase());
+    Some(ActionFate { kind: sent.kind.clone(), sent: sent.sent, status, result: sent.result.clone() })
+}
+
+/// What is known of a robot.
+fn row(here: &RobotHere, now: Time, fleet: &Fleet) -> LinkedRobot {
+    let RobotHere { listed, session, .. } = here;
+    let why = session.not_ready(now);
+    let left = "it has left the floor: POST /v1/robots registers it again";
+    let left = here.has_left(fleet.ledger()).then(|| left.to_owned());
+    let kind = fleet.ledger().kinds().named(&listed.kind);
+    let differences = |sheet| kind.map(|kind| contradictions(kind, sheet)).unwrap_or_default();
+    LinkedRobot {
+        listed: NewLinked {
+            name: listed.name.clone(),
+            manufacturer: listed.address.manufacturer().to_owned(),
+            serial: listed.address.serial().to_owned(),
+            kind: listed.kind.clone(),
+            version: listed.version.map(|version| version.text().to_owned()),
+        },
+        version: session.version().text().to_owned(),
+        joined: here.number.is_some(),
+        needs_consent: matches!(why, Some(NotReady::NoPause(_))),
+        not_ready: left.or(why.map(|why| why.to_string())),
+        failed: session.failure().map(str::to_owned),
+        order: session.order_text(),
+        said: session.state().map(|(at, state)| said(at, state)),
+        noticed: here.notices(),
+        trust: RobotTrust {
+            false_claims: session.false_claims() as usize,
+            longest_base_m: session.longest_base_m(),
+        },
+        contradictions: session.factsheet().map(differences).unwrap_or_default(),
+    }
+}
+
+fn said(at: Time, state: &State) -> SaidState {
+    let word = |value: String| value.to_uppercase();
+    let load = |load: &giveway_vda5050::Load| load.id.clone().or(load.kind.clone()).unwrap_or("?".to_owned());
+    SaidState {
+        at,
+        mode: word(format!("{:?}", state.mode)),
+        e_stop: word(format!("{:?}", state.e_stop)),
+        field_violation: state.field_violation,
+        paused: state.paused,
+        last_node: state.last_node.clone(),
+        charge: state.power.charge,
+        charging: state.power.charging,
+        loads: state.loads.as_ref().map(|loads| loads.iter().map(load).collect()),
+        errors: (state.errors.iter())
+            .map(|error| SaidError {
+                level: word(format!("{:?}", error.level)),
+                kind: error.kind.clone(),
+                words: error.description.clone().unwrap_or_default(),
+            })
+            .collect(),
+        wants_base: state.wants_base,
+    }
+}
+
+/// The length and the width of a footprint, metres.
+fn extent_m(of: &Footprint) -> [f64; 2] {
+    match of {
+        Footprint::Square { side_m } => [*side_m; 2],
+        Footprint::Circle { radius_m } => [2.0 * radius_m; 2],
+        Footprint::Polygon { corners, .. } => {
+            let side = |along: fn(&Point) -> f64| {
+                let all = corners.iter().map(along);
+                all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
+            };
+            [side(|at| at.x), side(|at| at.y)]
+        }
+    }
+}
+
+/// Where a factsheet promises less than the kind.
+fn contradictions(kind: &RobotKind, sheet: &Factsheet) -> Vec<String> {
+    let motion = &kind.kinematics;
+    let size = kind.footprints[0].as_ref().map(extent_m);
+    let most = |says: Option<f64>, has: f64, what: &str, unit: &str| {
+        let says = says.filter(|says| *says + 1e-6 < has && *says > 0.0)?;
+        Some(format!("{what}: the kind has {has} {unit}, the robot says that it can do {says} {unit}"))
+    };
+    let larger = |says: Option<f64>, has: Option<f64>, what: &str| {
+        let (says, has) = (says?, has?);
+        (says > has + 1e-3).then(|| format!("{what}: the kind has {has} m, the robot says {says} m"))
+    };
+    let mut all: Vec<String> = [
+        most(sheet.speed_mps, motion.speed_mps.max(motion.speed_loaded_mps), "speed", "m/s"),
+        most(
+            sheet.accel_mps2,
+            motion.accel_unloaded_mps2.max(motion.accel_loaded_mps2),
+            "acceleration",
+            "m/s²",
+        ),
+        most(sheet.brake_mps2, motion.accel_unloaded_mps2.max(motion.accel_loaded_mps2), "braking", "m/s²"),
+        larger(sheet.length_m, size.map(|size| size[0]), "length"),
+        larger(sheet.width_m, size.map(|size| size[1]), "width"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if kind.payload_kg.is_finite() {
+        all.extend(most(sheet.payload_kg, kind.payload_kg, "payload", "kg"));
+    }
+    all
+}
