@@ -5,6 +5,8 @@
 //! worth. If the broker says that another client took this one's name over, the line stays down: that is the fence
 //! against a second server. Refuses: to know what messages mean, and to keep any that cannot be sent now.
 
+pub mod broker;
+
 use anyhow::Context;
 use bytes::Bytes;
 use giveway_site::MqttVersion;
@@ -28,6 +30,8 @@ const QUEUE: usize = 1024;
 const RESTS: [Duration; 2] = [Duration::from_millis(250), Duration::from_secs(5)];
 /// A broker that says nothing for this long is gone.
 const KEEP_ALIVE: Duration = Duration::from_secs(5);
+/// What was sent has this long to leave when a line ends.
+const FAREWELL: Duration = Duration::from_secs(1);
 
 /// How a line is set up.
 #[derive(Clone)]
@@ -88,7 +92,8 @@ pub struct MqttLine {
 }
 
 impl MqttLine {
-    /// Begins to connect. Events go to `events`; the line ends when their receiver or the line is dropped.
+    /// Begins to connect. Events go to `events`. The line ends when it is dropped: what was sent leaves, and the broker
+    /// is told, so that it says no will. If the receiver of the events is dropped, it breaks off as a cable does.
     pub fn begin(setup: LineSetup, events: mpsc::Sender<LineEvent>) -> MqttLine {
         let (outgoing, queue) = mpsc::channel(QUEUE);
         let is_up = Arc::new(AtomicBool::new(false));
@@ -99,6 +104,11 @@ impl MqttLine {
     /// Sends a message, if the line is up and takes it now. Gives whether it did.
     pub fn send(&self, message: LineMessage) -> bool {
         self.is_up.load(Ordering::Relaxed) && self.outgoing.try_send(message).is_ok()
+    }
+
+    /// Lets the line break off without a farewell, after the receiver of its events was dropped.
+    pub fn break_off(self) {
+        tokio::spawn(async move { self.outgoing.closed().await });
     }
 }
 
@@ -256,6 +266,10 @@ async fn connect_five(
             },
             message = queue.recv() => {
                 let Some(LineMessage { topic, payload, confirmed, retained, expires }) = message else {
+                    if is_up.load(Ordering::Relaxed) && client.try_disconnect().is_ok() {
+                        let leaves = async { while line.poll().await.is_ok() {} };
+                        let _is_late = tokio::time::timeout(FAREWELL, leaves).await;
+                    }
                     return LineEnd::Over;
                 };
                 let qos = if confirmed { five::QoS::AtLeastOnce } else { five::QoS::AtMostOnce };
@@ -323,6 +337,10 @@ async fn connect_three(
             },
             message = queue.recv() => {
                 let Some(LineMessage { topic, payload, confirmed, retained, .. }) = message else {
+                    if is_up.load(Ordering::Relaxed) && client.try_disconnect().is_ok() {
+                        let leaves = async { while line.poll().await.is_ok() {} };
+                        let _is_late = tokio::time::timeout(FAREWELL, leaves).await;
+                    }
                     return LineEnd::Over;
                 };
                 if client.try_publish(topic, qos(confirmed), retained, payload).is_err() {

@@ -15,6 +15,7 @@ mod notice;
 mod order;
 mod overtaken;
 mod pause;
+pub mod probe;
 mod report;
 mod session;
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! they obey; others that the broker knows are never driven. Refuses: to believe a message that names another robot
 //! than its topic.
 
+use crate::mqtt::broker::PASSWORD;
 use crate::mqtt::{LineEvent, LineMessage, LineSetup, MqttLine, broker_of, is_loopback, tls_of};
 use anyhow::Context;
 use giveway_drive::{DriveAlarm, LinkOutput};
@@ -39,8 +40,6 @@ const BEGINS: Span = Span::from_secs(2);
 const CLAIMS: Span = Span::from_secs(600);
 /// Events of the line that wait for the next turn.
 const EVENTS: usize = 10_000;
-/// The variable of the environment with the password for the broker.
-const PASSWORD: &str = "GIVEWAY_MQTT_PASSWORD";
 /// What robots say.
 const ALL_KINDS: [TopicKind; 4] =
     [TopicKind::State, TopicKind::Connection, TopicKind::Factsheet, TopicKind::Visualization];
