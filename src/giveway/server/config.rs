@@ -131,6 +131,7 @@ pub struct Flags {
     #[arg(long, value_name = "NETWORK")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub webhook_inside: Vec<String>,
+    /// The broker of robots that speak VDA 5050.
     #[command(flatten)]
     #[serde(flatten)]
     pub broker: BrokerFlags,

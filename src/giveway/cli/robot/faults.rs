@@ -409,4 +409,21 @@ mod tests {
             assert!(said.contains(part), "{part}: {said}");
         }
     }
+
+    #[test]
+    fn the_page_about_robots_names_each_fault_and_each_quirk() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/robots.md");
+        let page = std::fs::read_to_string(page).unwrap();
+        let quirks = serde_json::to_value(RobotQuirks::default()).unwrap();
+        let quirks = quirks.as_object().unwrap().iter();
+        for (quirk, usual) in quirks {
+            let row = page.lines().find(|line| line.starts_with(&format!("| `{quirk}` |")));
+            let row = row.unwrap_or_else(|| panic!("docs/robots.md does not list the quirk {quirk}"));
+            assert!(row.contains(&format!("| `{}`", usual.as_str().unwrap())), "{quirk}: {row}");
+        }
+        for fault in FAULTS {
+            let is_named = page.lines().any(|line| line.starts_with('|') && line.contains(&format!("`{fault}`")));
+            assert!(is_named, "docs/robots.md does not list {fault}");
+        }
+    }
 }

@@ -107,8 +107,6 @@ pub enum RepeatAnswer {
 #[derive(Clone, Debug)]
 pub struct ProbeFindings {
     pub(super) address: Address,
-    /// Whether the robot was to drive.
-    pub(super) drives_wanted: bool,
     /// The version that the robot speaks.
     pub version: Option<Version>,
     pub(super) other_version: Option<String>,
@@ -203,10 +201,9 @@ impl DriveAnswer {
 }
 
 impl ProbeFindings {
-    pub(super) fn new(address: Address, drives_wanted: bool) -> ProbeFindings {
+    pub(super) fn new(address: Address) -> ProbeFindings {
         ProbeFindings {
             address,
-            drives_wanted,
             version: None,
             other_version: None,
             connection: None,

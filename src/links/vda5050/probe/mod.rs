@@ -72,7 +72,7 @@ impl RobotProbe {
     /// A probe of a robot. `run` is part of all ids and must be new each time.
     pub fn new(address: Address, goal: Option<Point>, run: &str) -> RobotProbe {
         RobotProbe {
-            findings: ProbeFindings::new(address.clone(), goal.is_some()),
+            findings: ProbeFindings::new(address.clone()),
             address,
             goal,
             run: run.to_owned(),
