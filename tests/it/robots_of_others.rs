@@ -13,14 +13,15 @@ use std::time::{Duration, Instant};
 
 const MAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/maps/thesis.json");
 /// A floor on which nothing is simulated but time.
-const SCENARIO: &str = r#"{"giveway_scenario": 1, "name": "others", "map": "MAP", "robots": 0, "jobs": "none"}"#;
+const SCENARIO: &str =
+    r#"{"giveway_scenario": 1, "name": "others", "map": "MAP", "robots": 0, "jobs": "none"}"#;
 
 /// A process, running until the test is over.
 struct Process(Child);
 
 impl Process {
     /// The program with these arguments; what it prints comes line by line.
-    fn giveway(arguments: &[&str]) -> (Process, impl Iterator<Item = String>) {
+    fn giveway(arguments: &[&str]) -> (Process, impl Iterator<Item = String> + use<>) {
         let program = Command::new(env!("CARGO_BIN_EXE_giveway"))
             .args(arguments)
             .env("RUST_LOG", "warn")
@@ -105,7 +106,8 @@ fn text(path: &Path) -> &str {
 /// Switches on one virtual robot of a version at a node, as a user of its own; gives it with its file for the server.
 fn robot(folder: &Folder, url: &str, version: &str, node: &str) -> (Process, PathBuf) {
     let short = version.replace('.', "");
-    let (places, out) = (folder.path().join(format!("places-{short}")), folder.path().join(format!("out-{short}")));
+    let (places, out) =
+        (folder.path().join(format!("places-{short}")), folder.path().join(format!("out-{short}")));
     let place = json!({"robots": [{"serial": format!("v{short}"), "node": node}]});
     std::fs::write(&places, place.to_string()).unwrap();
     let user = format!("giveway-v{short}");
@@ -217,7 +219,8 @@ async fn three_robots_of_three_versions_do_five_jobs_with_no_more_rights_than_th
 fn a_probe_finds_out_over_a_broker_that_a_robot_lies_and_does_not_move_it() {
     let folder = Folder::new();
     let Some(broker) = Broker::start(&folder, None) else { return };
-    let (_robot, mut lines) = Process::giveway(&["robot", "--mqtt", &broker.url, "--map", MAP, "--like", "c"]);
+    let (_robot, mut lines) =
+        Process::giveway(&["robot", "--mqtt", &broker.url, "--map", MAP, "--like", "c"]);
     lines.find(|line| line.starts_with("robot ")).expect("a robot");
     let arguments = ["robot", "probe", "--mqtt", &broker.url, "--robot", "giveway/c-1", "--json"];
     let probed = Command::new(env!("CARGO_BIN_EXE_giveway")).args(arguments).output().unwrap();

@@ -422,7 +422,8 @@ mod tests {
             assert!(row.contains(&format!("| `{}`", usual.as_str().unwrap())), "{quirk}: {row}");
         }
         for fault in FAULTS {
-            let is_named = page.lines().any(|line| line.starts_with('|') && line.contains(&format!("`{fault}`")));
+            let is_named =
+                page.lines().any(|line| line.starts_with('|') && line.contains(&format!("`{fault}`")));
             assert!(is_named, "docs/robots.md does not list {fault}");
         }
     }

@@ -8,6 +8,7 @@ use super::faults::FaultsFile;
 use super::listing::{cannot, robots_file};
 use super::places::{RobotPlace, of_file, of_map};
 use crate::cli::files::{read, read_map, write};
+use crate::cli::out::tell;
 use crate::cli::serve::{asked_to_stop, trace_to_stderr};
 use crate::mqtt::broker::{BrokerClient, BrokerFlags};
 use crate::mqtt::{LineEvent, LineSetup, MqttLine};
@@ -198,7 +199,8 @@ where
             }
         }
     }
-    println!("stopping");
+    // Robots take leave also if nobody reads what they print.
+    tell(format_args!("stopping"));
     stop.send_replace(true);
     while let Some(ended) = tasks.join_next().await {
         ended??;

@@ -20,8 +20,10 @@ pub(super) struct RobotSaid {
     state: Option<(Time, Box<State>)>,
     /// States since the stage began.
     states: u32,
-    /// The errors that stood when the stage began.
+    /// The errors that stood when the stage began, and those that have stood since: some robots tell one in a single
+    /// state.
     before: Vec<RobotError>,
+    new_errors: Vec<RobotError>,
     /// Where it was, oldest first.
     places: VecDeque<(Time, Point)>,
 }
@@ -30,6 +32,7 @@ impl RobotSaid {
     pub fn take_state(&mut self, now: Time, state: Box<State>) {
         self.take_pose(now, state.position.as_ref());
         self.states += 1;
+        self.note_errors(&state.errors);
         self.state = Some((now, state));
     }
 
@@ -44,6 +47,7 @@ impl RobotSaid {
     /// A stage begins: what is said from now on is new.
     pub fn begin(&mut self) {
         self.states = 0;
+        self.new_errors.clear();
         self.before = self.state.as_ref().map(|(_, state)| state.errors.clone()).unwrap_or_default();
     }
 
@@ -57,19 +61,22 @@ impl RobotSaid {
         self.state().filter(|_| self.states > 0)
     }
 
-    /// Errors that did not stand when the stage began.
-    pub fn new_errors(&self) -> Vec<&RobotError> {
-        let mut before: Vec<&RobotError> = self.before.iter().collect();
-        let mut new = Vec::new();
-        for error in self.new_state().into_iter().flat_map(|state| &state.errors) {
-            match before.iter().position(|old| *old == error) {
+    /// Errors that have been told since the stage began and did not stand then.
+    pub fn new_errors(&self) -> &[RobotError] {
+        &self.new_errors
+    }
+
+    fn note_errors(&mut self, errors: &[RobotError]) {
+        let mut old: Vec<&RobotError> = self.before.iter().collect();
+        for error in errors {
+            match old.iter().position(|other| *other == error) {
                 Some(at) => {
-                    before.swap_remove(at);
+                    old.swap_remove(at);
                 }
-                None => new.push(error),
+                None if self.new_errors.contains(error) => {}
+                None => self.new_errors.push(error.clone()),
             }
         }
-        new
     }
 
     /// What the robot says of an action.

@@ -66,6 +66,8 @@ pub enum ProbeStage {
     Cancels,
     /// It sends the robot home.
     Home,
+    /// It sends one more order to where the robot stands, which clears errors about earlier ones.
+    Clears,
     /// It asks whether the robot is still there.
     Alive,
     /// It is over.
@@ -99,6 +101,7 @@ impl fmt::Display for ProbeStage {
             ProbeStage::OnWayBack => "waits until it is on its way back",
             ProbeStage::Cancels => "cancels the order on the way",
             ProbeStage::Home => "sends it home",
+            ProbeStage::Clears => "sends a last order to where it stands",
             ProbeStage::Alive => "asks whether it is still there",
             ProbeStage::Over => "is done",
         })
@@ -123,7 +126,8 @@ impl RobotProbe {
             }
             ProbeStage::IdleCancel | ProbeStage::Cancels => self.instant("cancelOrder"),
             ProbeStage::Alive => self.instant("stateRequest"),
-            ProbeStage::Order => self.enter_order(now, Vec::new()),
+            ProbeStage::Order => self.enter_order(now, Vec::new(), ProbeStage::IdleCancel),
+            ProbeStage::Clears => self.enter_order(now, Vec::new(), ProbeStage::Alive),
             ProbeStage::Unknown => {
                 let action = Action {
                     kind: NO_ACTION.to_owned(),
@@ -132,7 +136,7 @@ impl RobotProbe {
                     parameters: Vec::new(),
                     retriable: false,
                 };
-                self.enter_order(now, vec![action]);
+                self.enter_order(now, vec![action], ProbeStage::IdleCancel);
             }
             ProbeStage::Again => {
                 if let Some(order) = self.order.clone() {
@@ -142,7 +146,7 @@ impl RobotProbe {
             ProbeStage::SetsOff(i) => self.enter_drive(now, i),
             ProbeStage::Returns => match self.home {
                 Some(home) => self.enter_way(now, home, false),
-                None => self.enter(now, ProbeStage::Alive),
+                None => self.enter(now, ProbeStage::Clears),
             },
             ProbeStage::Home => self.enter_home(now),
             ProbeStage::Listens | ProbeStage::OnWay | ProbeStage::OnWayBack => {}
@@ -183,13 +187,17 @@ impl RobotProbe {
             }
             ProbeStage::Returns => match self.said.has_order(&self.asked) {
                 true => Some(ProbeStage::OnWayBack),
-                false => (waited >= ANSWERS).then_some(ProbeStage::Alive),
+                false => (waited >= ANSWERS).then_some(ProbeStage::Clears),
             },
             ProbeStage::OnWayBack => self.look_on_way(now, ProbeStage::Cancels),
             ProbeStage::Cancels => self.look_cancels(now),
             ProbeStage::Home => {
                 let is_home = self.home.is_none_or(|home| self.is_at(home));
                 let is_over = is_home && self.said.stands(self.since) || waited >= DRIVES;
+                is_over.then_some(ProbeStage::Clears)
+            }
+            ProbeStage::Clears => {
+                let is_over = self.said.has_order(&self.asked) || waited >= ANSWERS;
                 is_over.then_some(ProbeStage::Alive)
             }
             ProbeStage::Alive => {
@@ -241,8 +249,8 @@ impl RobotProbe {
         Some(ProbeStage::Resumes)
     }
 
-    /// Sends an order to where the robot stands, if it says where that is.
-    fn enter_order(&mut self, now: Time, actions: Vec<Action>) {
+    /// Sends an order to where the robot stands, if it says where that is; else another stage follows.
+    fn enter_order(&mut self, now: Time, actions: Vec<Action>, otherwise: ProbeStage) {
         let action = actions.first().map(|action| action.id.clone());
         match self.order_here(actions) {
             Some(order) => {
@@ -252,7 +260,7 @@ impl RobotProbe {
                     self.asked = action;
                 }
             }
-            None => self.enter(now, ProbeStage::IdleCancel),
+            None => self.enter(now, otherwise),
         }
     }
 
@@ -293,7 +301,7 @@ impl RobotProbe {
             _ => CancelAnswer::Silent,
         };
         self.findings.idle_cancel = Some(answer);
-        Some(if self.goal.is_some() { ProbeStage::SetsOff(0) } else { ProbeStage::Alive })
+        Some(if self.goal.is_some() { ProbeStage::SetsOff(0) } else { ProbeStage::Clears })
     }
 
     /// Sends the robot off: first with a node beside it that only the deviation makes good, then from where it stands.
@@ -312,7 +320,7 @@ impl RobotProbe {
             Some(order) => self.send_order(order),
             None => {
                 self.findings.is_too_near = true;
-                self.enter(now, ProbeStage::Alive);
+                self.enter(now, ProbeStage::Clears);
             }
         }
     }
@@ -328,7 +336,7 @@ impl RobotProbe {
             (true, 0 | 1) => Some(ProbeStage::SetsOff(i + 1)),
             (true, _) => {
                 self.findings.drives = Some(false);
-                Some(ProbeStage::Alive)
+                Some(ProbeStage::Clears)
             }
         }
     }
@@ -389,10 +397,10 @@ impl RobotProbe {
 
     fn enter_home(&mut self, now: Time) {
         let (Some(home), Some(here)) = (self.home, self.said.place()) else {
-            return self.enter(now, ProbeStage::Alive);
+            return self.enter(now, ProbeStage::Clears);
         };
         if self.is_at(home) {
-            return self.enter(now, ProbeStage::Alive);
+            return self.enter(now, ProbeStage::Clears);
         }
         let order = self.order_along(&[here, home]);
         self.send_order(order);
