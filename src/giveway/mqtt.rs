@@ -208,16 +208,10 @@ async fn run(
     }
 }
 
-/// One connection of MQTT 5, until it ends.
-async fn connect_five(
-    setup: &LineSetup,
-    queue: &mut mpsc::Receiver<LineMessage>,
-    events: &mpsc::Sender<LineEvent>,
-    is_up: &AtomicBool,
-) -> LineEnd {
-    use rumqttc::v5::{AsyncClient, ConnectionError, Event, Incoming, MqttOptions, StateError};
+/// How a client of MQTT 5 connects.
+fn options_five(setup: &LineSetup) -> rumqttc::v5::MqttOptions {
     let (host, port) = &setup.broker;
-    let mut options = MqttOptions::new(&setup.client, host, *port);
+    let mut options = rumqttc::v5::MqttOptions::new(&setup.client, host, *port);
     options.set_keep_alive(KEEP_ALIVE).set_clean_start(true);
     options.set_max_packet_size(Some(MOST_BYTES as u32));
     if let Some((user, password)) = &setup.login {
@@ -231,7 +225,18 @@ async fn connect_five(
         let will = five::v5::LastWill::new(&will.topic, will.payload.clone(), qos, will.retained, None);
         options.set_last_will(will);
     }
-    let (client, mut line) = AsyncClient::new(options, QUEUE);
+    options
+}
+
+/// One connection of MQTT 5, until it ends.
+async fn connect_five(
+    setup: &LineSetup,
+    queue: &mut mpsc::Receiver<LineMessage>,
+    events: &mpsc::Sender<LineEvent>,
+    is_up: &AtomicBool,
+) -> LineEnd {
+    use rumqttc::v5::{AsyncClient, ConnectionError, Event, Incoming, StateError};
+    let (client, mut line) = AsyncClient::new(options_five(setup), QUEUE);
     loop {
         tokio::select! {
             polled = line.poll() => match polled {

@@ -100,7 +100,8 @@ impl BrokerFlags {
         let login = self.mqtt_user.clone();
         ensure!(
             is_loopback(&broker.0) || login.is_some() || identity.is_some(),
-            "the broker at {} is not on this machine: name --mqtt-user (with {PASSWORD}), or --mqtt-cert and --mqtt-key",
+            "the broker at {} is not on this machine: name --mqtt-user (with {PASSWORD}), or --mqtt-cert and \
+             --mqtt-key",
             broker.0
         );
         let login = login.map(|user| (user, std::env::var(PASSWORD).unwrap_or_default()));

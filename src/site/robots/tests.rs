@@ -50,7 +50,8 @@ fn a_broker_among_the_flags_takes_the_place_of_the_sites_and_the_sites_robots_st
         {"lab": {}}}}], "links": {"mqtt": {"url": "mqtt://old", "user": "me", "qos": 1, "interface": "x"}},
         "robots": [{"name": "o1", "manufacturer": "m", "serial": "1", "kind": "own"}]}"#;
     let mut site = Site::parse(text).expect("a site");
-    let more = r#"{"giveway_robots": 1, "robots": [{"name": "o2", "manufacturer": "m", "serial": "2", "kind": "own"}]}"#;
+    let more = r#"{"giveway_robots": 1, "robots": [
+        {"name": "o2", "manufacturer": "m", "serial": "2", "kind": "own"}]}"#;
     let file = RobotsFile::parse(more, Some((&site, &Arc::new(lab())))).expect("of the site's kind");
     site.add_robots(broker(), Some(file)).expect("robots");
     let mqtt = site.links.mqtt.as_ref().expect("a link");

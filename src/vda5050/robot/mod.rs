@@ -1,7 +1,8 @@
 //! A virtual robot: the protocol side of VDA 5050 as a state machine, for tests of any master.
 //!
-//! Main types: [`VirtualRobot`] (the protocol), [`VirtualBody`] (what moves), [`EmbodiedRobot`] (both together), [`WireRobot`] (with bytes),
-//! [`RobotSetup`] (what the robot is; presets behave as three real robots), [`RobotQuirks`] (habits and lies).
+//! Main types: [`VirtualRobot`] (the protocol), [`VirtualBody`] (what moves), [`EmbodiedRobot`] (both together),
+//! [`WireRobot`] (with its messages as bytes), [`RobotSetup`] (what the robot is; presets behave as three real robots),
+//! [`RobotQuirks`] (habits and lies).
 //! Time, messages and the body's report come in, messages and the body's command go out; the same calls give the same
 //! answers. Source: VDA 5050, section 6 of each version. Refuses: clocks, input and output, randomness,
 //! faults of the transport (they come from outside), and what no master here uses: zones, downloads, hibernation.

@@ -59,7 +59,7 @@ impl WireRobot {
 
     /// The last will, which the broker sends for the robot when it is lost.
     pub fn will(&mut self, timestamp: &str) -> WireMessage {
-        self.to_wire(&VirtualRobot::will(), timestamp)
+        self.message(&VirtualRobot::will(), timestamp)
     }
 
     /// Moves the robot until a time in microseconds, lets it act on what it received, and returns what it says.
@@ -73,7 +73,7 @@ impl WireRobot {
             }
         }
         let said = self.body.step(now_us, &clear);
-        said.iter().map(|said| self.to_wire(said, timestamp)).collect()
+        said.iter().map(|said| self.message(said, timestamp)).collect()
     }
 
     /// Reads a message as the robot does: with the key of instant actions that it knows, the deviations that it can
@@ -106,7 +106,7 @@ impl WireRobot {
         }
     }
 
-    fn to_wire(&mut self, said: &RobotMessage, timestamp: &str) -> WireMessage {
+    fn message(&mut self, said: &RobotMessage, timestamp: &str) -> WireMessage {
         let RobotSetup { version, manufacturer, serial, quirks, .. } = self.body.robot.setup();
         let next = self.next.entry(said.topic).or_default();
         let header = Header {

@@ -1,7 +1,7 @@
 //! `giveway robot acl`: the rights of robots and of Giveway at a broker, as Mosquitto's `acl_file` has them.
 //!
-//! Main type: [`AclArgs`]. Each robot may write what it says and read what is for it, and nothing of others. Refuses: to
-//! give two clients one name.
+//! Main type: [`AclArgs`]. Each robot may write what it says and read what is for it, and nothing of others. Refuses:
+//! to give two clients one name.
 
 use crate::cli::files::{read, write};
 use anyhow::{Context, ensure};

@@ -1,7 +1,7 @@
 //! The file of faults of virtual robots: `{"giveway_faults": 1, "faults": [{"fault": "loss", "probability": 0.02}]}`.
 //!
-//! Main types: [`FaultsFile`], [`RobotFaults`] (those of one robot, drawn from the seed). Refuses: keys that a fault has
-//! no use for, and quirks that no robot has; everything that is wrong is told at once.
+//! Main types: [`FaultsFile`], [`RobotFaults`] (those of one robot, drawn from the seed). Refuses: keys that a fault
+//! has no use for, and quirks that no robot has; everything that is wrong is told at once.
 
 use super::transport::TransportFaults;
 use anyhow::ensure;
@@ -389,7 +389,8 @@ mod tests {
                 {"fault": "quirk", "quirk": "paws", "value": 1}, {"fault": "quirk", "quirk": "pause", "value": "no"},
                 {"fault": "reboot", "node": "P2"}, {"fault": "silence", "every_s": 4},
                 {"fault": "manual", "probability": 1}, {"fault": "delay", "least_ms": 5, "most_ms": 3},
-                {"fault": "manual", "colour": "red"}, {"fault": "quirk", "quirk": "pause", "value": "at_once", "at_s": 1}"#,
+                {"fault": "manual", "colour": "red"},
+                {"fault": "quirk", "quirk": "pause", "value": "at_once", "at_s": 1}"#,
         )
         .unwrap_err()
         .to_string();

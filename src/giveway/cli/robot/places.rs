@@ -137,7 +137,8 @@ mod tests {
         let map = lab();
         let node = &map.nodes.iter().next().unwrap();
         let good = format!(
-            r#"{{"robots": [{{"serial": "a", "node": {:?}}}, {{"serial": "b", "x": 50, "y": 1, "theta": 2, "map": "m"}}]}}"#,
+            r#"{{"robots": [{{"serial": "a", "node": {:?}}},
+                {{"serial": "b", "x": 50, "y": 1, "theta": 2, "map": "m"}}]}}"#,
             node.name
         );
         let places = of_file(&good, &map).unwrap();

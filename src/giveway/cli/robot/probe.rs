@@ -1,7 +1,7 @@
 //! `giveway robot probe`: finds out what is special about a robot before it joins.
 //!
-//! Main type: [`ProbeArgs`]. A thin loop round [`RobotProbe`], which knows what to ask. Refuses: to move a robot without
-//! `--drive`.
+//! Main type: [`ProbeArgs`]. A thin loop round [`RobotProbe`], which knows what to ask. Refuses: to move a robot
+//! without `--drive`.
 
 use super::run::timestamp;
 use crate::cli::serve::{asked_to_stop, trace_to_stderr};

@@ -1,7 +1,7 @@
 //! The way on which a probed robot drives, and what its orders look like.
 //!
-//! Main types: [`DriveCourse`], [`DeviationSpelling`]. One node is half way, so that a robot that stops at nodes is told
-//! from one that stops at once. Refuses: ways that are too short to tell anything.
+//! Main types: [`DriveCourse`], [`DeviationSpelling`]. One node is half way, so that a robot that stops at nodes is
+//! told from one that stops at once. Refuses: ways that are too short to tell anything.
 
 use super::RobotProbe;
 use giveway_floor::geometry::Point;

@@ -110,7 +110,8 @@ impl RobotSaid {
         self.places.back().map(|(at, _)| *at)
     }
 
-    /// Whether the robot has stood for a while, and was seen at both ends of it; only what was seen after `since` counts.
+    /// Whether the robot has stood for a while, and was seen at both ends of it; only what was seen after `since`
+    /// counts.
     pub fn stands(&self, since: Time) -> bool {
         let Some((last, here)) = self.places.back() else { return false };
         let seen = self.places.iter().filter(|(at, _)| *at >= since);

@@ -12,7 +12,7 @@ const TICK_US: i64 = 50_000;
 const STEPS: i64 = 2;
 
 /// What is on its way.
-struct Bench {
+struct ProbeBench {
     robot: WireRobot,
     probe: RobotProbe,
     to_robot: Vec<(i64, TopicKind, Vec<u8>)>,
@@ -23,10 +23,10 @@ struct Bench {
     farthest_m: f64,
 }
 
-impl Bench {
-    fn new(setup: RobotSetup, goal: Option<Point>) -> Bench {
+impl ProbeBench {
+    fn new(setup: RobotSetup, goal: Option<Point>) -> ProbeBench {
         let address = Address::new(&setup.manufacturer, &setup.serial).expect("an address");
-        Bench {
+        ProbeBench {
             robot: WireRobot::new(setup),
             probe: RobotProbe::new(address, goal, "t"),
             to_robot: Vec::new(),
@@ -37,7 +37,7 @@ impl Bench {
     }
 
     /// Runs the probe to its end. The robot has been online for a while.
-    fn run(mut self) -> Bench {
+    fn run(mut self) -> ProbeBench {
         for tick in 0..20_000 {
             let (now_us, level) = (tick * TICK_US, self.robot.setup().version.topic_level());
             let read: Vec<ReadMessage> = (self.to_robot.extract_if(.., |(due, ..)| *due <= tick))
@@ -70,7 +70,7 @@ impl Bench {
 }
 
 fn driven(setup: RobotSetup) -> Value {
-    Bench::new(setup, Some(Point::new(8.0, 0.0))).run().json()
+    ProbeBench::new(setup, Some(Point::new(8.0, 0.0))).run().json()
 }
 
 /// Compares some findings.
@@ -164,7 +164,7 @@ fn a_robot_like_c_claims_cancels_skips_actions_and_takes_repetitions_for_fatal()
 #[test]
 fn without_a_place_to_drive_to_no_robot_moves_and_what_was_not_tried_is_said_so() {
     for setup in [RobotSetup::like_a(), RobotSetup::like_b(), RobotSetup::like_c()] {
-        let bench = Bench::new(setup, None).run();
+        let bench = ProbeBench::new(setup, None).run();
         assert!(bench.farthest_m < 0.01, "{}", bench.farthest_m);
         let found = bench.json();
         assert_eq!((&found["cancel"], &found["alive"]), (&"not tried".into(), &true.into()));
@@ -176,7 +176,7 @@ fn without_a_place_to_drive_to_no_robot_moves_and_what_was_not_tried_is_said_so(
 fn each_message_has_one_instant_action_and_none_moves_or_handles_anything() {
     let setup = RobotSetup::new(Version::V2_1, "maker", "r1", "hall", "n0");
     let quirks = RobotQuirks { instant_batch: InstantBatch::DiesOfTwo, ..RobotQuirks::default() };
-    let bench = Bench::new(RobotSetup { quirks, ..setup }, Some(Point::new(6.0, 0.0))).run();
+    let bench = ProbeBench::new(RobotSetup { quirks, ..setup }, Some(Point::new(6.0, 0.0))).run();
     let known = ["stateRequest", "factsheetRequest", "startPause", "stopPause", "cancelOrder"];
     let mut seen = 0;
     for told in bench.sent.iter().filter(|told| told.kind == TopicKind::InstantActions) {
@@ -226,7 +226,7 @@ fn a_robot_that_is_not_there_ends_the_probe_in_words() {
 
 #[test]
 fn a_robot_that_says_states_without_online_is_noticed() {
-    let mut bench = Bench::new(RobotSetup::new(Version::V2_0, "maker", "r1", "hall", "n0"), None).run();
+    let mut bench = ProbeBench::new(RobotSetup::new(Version::V2_0, "maker", "r1", "hall", "n0"), None).run();
     assert_eq!(bench.json()["reconnect"], "not tried");
     bench.probe.findings.connection = Some(ConnectionState::Broken);
     assert_eq!(bench.json()["reconnect"], "unannounced");
