@@ -23,7 +23,7 @@ fn one_map_id_is_short_for_the_maps_of_all_kinds_and_a_kind_may_say_nothing_else
     let file = RobotsFile::parse(GOOD, None).expect("a file");
     let frame = crate::MapFrame::same("lab");
     for kind in ["tug", "cart"] {
-        assert_eq!(file.settings[kind].maps, [frame.clone()], "{kind}");
+        assert_eq!(file.settings[kind].maps, std::slice::from_ref(&frame), "{kind}");
     }
     assert_eq!((file.settings["tug"].longest_base_m, file.settings["cart"].longest_base_m), (3.0, 4.0));
     let can = file.kinds.iter().map(|kind| kind.capabilities.limits);
