@@ -418,7 +418,8 @@ mod tests {
         let quirks = serde_json::to_value(RobotQuirks::default()).unwrap();
         let quirks = quirks.as_object().unwrap().iter();
         for (quirk, usual) in quirks {
-            let row = page.lines().find(|line| line.starts_with(&format!("| `{quirk}` |")));
+            let mut rows = page.lines().skip_while(|line| *line != "| quirk | values |");
+            let row = rows.find(|line| line.starts_with(&format!("| `{quirk}` |")));
             let row = row.unwrap_or_else(|| panic!("docs/robots.md does not list the quirk {quirk}"));
             assert!(row.contains(&format!("| `{}`", usual.as_str().unwrap())), "{quirk}: {row}");
         }
