@@ -288,6 +288,8 @@
 //! | what | where |
 //! |---|---|
 //! | how fast robots drive, turn, lift | `route/motion.rs`; for one scenario its `fleet` or `kinds` |
+//! | robots of others: their file, flags | `site/robots.rs`; `mqtt/broker.rs`; `docs/robots.md` |
+//! | virtual robots, their faults; the probe | `cli/robot/`, `vda5050/robot/`; `links/vda5050/probe/` |
 //! | a robot kind | `fleet/state/kind.rs`; in files: `site/kinds.rs`; added: `fleet/requests/kinds.rs` |
 //! | what one floor is, and its file | `site/lib.rs`, `site/file.rs`; `docs/site.md` |
 //! | what robots are behind (links) | `server/links/mod.rs`, `drive/link.rs`; simulated: `server/links/sim.rs` |

@@ -5,6 +5,8 @@
 //! worth. If the broker says that another client took this one's name over, the line stays down: that is the fence
 //! against a second server. Refuses: to know what messages mean, and to keep any that cannot be sent now.
 
+pub mod broker;
+
 use anyhow::Context;
 use bytes::Bytes;
 use giveway_site::MqttVersion;
@@ -28,6 +30,8 @@ const QUEUE: usize = 1024;
 const RESTS: [Duration; 2] = [Duration::from_millis(250), Duration::from_secs(5)];
 /// A broker that says nothing for this long is gone.
 const KEEP_ALIVE: Duration = Duration::from_secs(5);
+/// What was sent has this long to leave when a line ends.
+const FAREWELL: Duration = Duration::from_secs(1);
 
 /// How a line is set up.
 #[derive(Clone)]
@@ -88,7 +92,8 @@ pub struct MqttLine {
 }
 
 impl MqttLine {
-    /// Begins to connect. Events go to `events`; the line ends when their receiver or the line is dropped.
+    /// Begins to connect. Events go to `events`. The line ends when it is dropped: what was sent leaves, and the broker
+    /// is told, so that it says no will. If the receiver of the events is dropped, it breaks off as a cable does.
     pub fn begin(setup: LineSetup, events: mpsc::Sender<LineEvent>) -> MqttLine {
         let (outgoing, queue) = mpsc::channel(QUEUE);
         let is_up = Arc::new(AtomicBool::new(false));
@@ -99,6 +104,11 @@ impl MqttLine {
     /// Sends a message, if the line is up and takes it now. Gives whether it did.
     pub fn send(&self, message: LineMessage) -> bool {
         self.is_up.load(Ordering::Relaxed) && self.outgoing.try_send(message).is_ok()
+    }
+
+    /// Lets the line break off without a farewell, after the receiver of its events was dropped.
+    pub fn break_off(self) {
+        tokio::spawn(async move { self.outgoing.closed().await });
     }
 }
 
@@ -198,16 +208,10 @@ async fn run(
     }
 }
 
-/// One connection of MQTT 5, until it ends.
-async fn connect_five(
-    setup: &LineSetup,
-    queue: &mut mpsc::Receiver<LineMessage>,
-    events: &mpsc::Sender<LineEvent>,
-    is_up: &AtomicBool,
-) -> LineEnd {
-    use rumqttc::v5::{AsyncClient, ConnectionError, Event, Incoming, MqttOptions, StateError};
+/// How a client of MQTT 5 connects.
+fn options_five(setup: &LineSetup) -> rumqttc::v5::MqttOptions {
     let (host, port) = &setup.broker;
-    let mut options = MqttOptions::new(&setup.client, host, *port);
+    let mut options = rumqttc::v5::MqttOptions::new(&setup.client, host, *port);
     options.set_keep_alive(KEEP_ALIVE).set_clean_start(true);
     options.set_max_packet_size(Some(MOST_BYTES as u32));
     if let Some((user, password)) = &setup.login {
@@ -221,7 +225,18 @@ async fn connect_five(
         let will = five::v5::LastWill::new(&will.topic, will.payload.clone(), qos, will.retained, None);
         options.set_last_will(will);
     }
-    let (client, mut line) = AsyncClient::new(options, QUEUE);
+    options
+}
+
+/// One connection of MQTT 5, until it ends.
+async fn connect_five(
+    setup: &LineSetup,
+    queue: &mut mpsc::Receiver<LineMessage>,
+    events: &mpsc::Sender<LineEvent>,
+    is_up: &AtomicBool,
+) -> LineEnd {
+    use rumqttc::v5::{AsyncClient, ConnectionError, Event, Incoming, StateError};
+    let (client, mut line) = AsyncClient::new(options_five(setup), QUEUE);
     loop {
         tokio::select! {
             polled = line.poll() => match polled {
@@ -256,6 +271,10 @@ async fn connect_five(
             },
             message = queue.recv() => {
                 let Some(LineMessage { topic, payload, confirmed, retained, expires }) = message else {
+                    if is_up.load(Ordering::Relaxed) && client.try_disconnect().is_ok() {
+                        let leaves = async { while line.poll().await.is_ok() {} };
+                        let _is_late = tokio::time::timeout(FAREWELL, leaves).await;
+                    }
                     return LineEnd::Over;
                 };
                 let qos = if confirmed { five::QoS::AtLeastOnce } else { five::QoS::AtMostOnce };
@@ -323,6 +342,10 @@ async fn connect_three(
             },
             message = queue.recv() => {
                 let Some(LineMessage { topic, payload, confirmed, retained, .. }) = message else {
+                    if is_up.load(Ordering::Relaxed) && client.try_disconnect().is_ok() {
+                        let leaves = async { while line.poll().await.is_ok() {} };
+                        let _is_late = tokio::time::timeout(FAREWELL, leaves).await;
+                    }
                     return LineEnd::Over;
                 };
                 if client.try_publish(topic, qos(confirmed), retained, payload).is_err() {

@@ -139,17 +139,21 @@ pub(crate) fn read_links(kinds: &mut [NamedKind]) -> Result<BTreeMap<String, Rob
     let mut links = BTreeMap::new();
     for (i, kind) in kinds.iter_mut().enumerate() {
         let Some(link) = kind.link.take() else { continue };
-        let link = link.read(&format!("kinds[{i}].link"))?;
-        let horizon_nodes = link.horizon_nodes;
-        kind.fleet.can.get_or_insert(CapabilityFigures {
-            revocation: true,
-            limits: ObeyedLimits::Stops,
-            drives_back: false,
-            horizon_nodes,
-        });
+        let link = link.read(&format!("kinds[{i}].link"), None)?;
+        limited_as_linked(&mut kind.fleet, link.horizon_nodes);
         links.insert(kind.name.clone(), link);
     }
     Ok(links)
+}
+
+/// Lets the figures of a kind that speaks VDA 5050 say what such robots can do, if they do not say it themselves.
+pub(crate) fn limited_as_linked(fleet: &mut KindFigures, horizon_nodes: usize) {
+    fleet.can.get_or_insert(CapabilityFigures {
+        revocation: true,
+        limits: ObeyedLimits::Stops,
+        drives_back: false,
+        horizon_nodes,
+    });
 }
 
 /// A kind by its name and figures, an object like `fleet`.
@@ -209,7 +213,7 @@ impl CapabilityFigures {
 }
 
 impl KindFigures {
-    fn kind(self, name: String, of: &str) -> Result<RobotKind, SiteError> {
+    pub(crate) fn kind(self, name: String, of: &str) -> Result<RobotKind, SiteError> {
         let kinematics = self.kinematics(of)?;
         let charging = self.battery.charging(&format!("{of}.battery"))?;
         let outlines = [("footprint", &self.footprint), ("footprint_loaded", &self.footprint_loaded)];

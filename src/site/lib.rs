@@ -8,12 +8,14 @@ mod check;
 mod file;
 mod frame;
 mod kinds;
+mod robots;
 mod vda5050;
 pub mod words;
 
 pub use check::{SiteError, check};
 pub use frame::MapFrame;
 pub use kinds::{KindFigures, NamedKind, read_kind, read_kinds};
+pub use robots::{BrokerSettings, RobotsFile, RobotsFileError};
 pub use vda5050::{
     ActionForm, InstantKey, LinkFigures, ListedRobot, MQTT_LINK, MqttLink, MqttVersion, RepeatRule,
     RobotLinkSettings,

@@ -154,20 +154,18 @@ pub(crate) struct MqttLinkFile {
 }
 
 /// The settings of a kind in their file form.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct LinkFigures {
     maps: BTreeMap<String, MapFigures>,
     horizon_nodes: Option<usize>,
     longest_base_m: Option<f64>,
     deviation_m: Option<f64>,
-    #[serde(default)]
     actions: ActionsFile,
-    #[serde(default)]
     quirks: QuirksFile,
 }
 
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MapFigures {
     #[serde(default)]
@@ -255,7 +253,23 @@ fn newest() -> u8 {
     5
 }
 
+/// What is wrong with the first levels of topics, if anything is.
+pub(crate) fn interface_fault(interface: &str) -> Option<&'static str> {
+    let is_wrong = interface.is_empty() || interface.contains(['+', '#', '$', ' ']);
+    is_wrong.then_some("the first levels of a topic, which have no + # $ and blanks")
+}
+
 impl MqttLinkFile {
+    /// A broker with the usual settings; `files` are those of its authority, of our certificate and of its key.
+    pub(crate) fn named(
+        url: String,
+        [ca, cert, key]: [Option<String>; 3],
+        user: Option<String>,
+    ) -> MqttLinkFile {
+        let (interface, version) = (usual_interface(), newest());
+        MqttLinkFile { url, ca, cert, key, user, interface, version, qos: 0, prefix: None }
+    }
+
     pub(crate) fn read(
         self,
         kinds: BTreeMap<String, RobotLinkSettings>,
@@ -284,7 +298,7 @@ impl MqttLinkFile {
             Some(prefix) => format!("{}/{}", prefix.trim_matches('/'), self.interface),
             None => self.interface,
         };
-        if interface.is_empty() || interface.contains(['+', '#', '$', ' ']) {
+        if interface_fault(&interface).is_some() {
             return Err(wrong("`interface` and `prefix` are levels of a topic, without + # $ and blanks"));
         }
         let MqttLinkFile { url, ca, user, qos, .. } = self;
@@ -293,7 +307,9 @@ impl MqttLinkFile {
 }
 
 impl LinkFigures {
-    pub(crate) fn read(self, of: &str) -> Result<RobotLinkSettings, SiteError> {
+    /// The settings. `of` is their place in the file; `map_id` the robots' name of the floor's map, if the file has one
+    /// for all kinds.
+    pub(crate) fn read(mut self, of: &str, map_id: Option<&str>) -> Result<RobotLinkSettings, SiteError> {
         let usual = RobotLinkSettings::default();
         let horizon_nodes = self.horizon_nodes.unwrap_or(usual.horizon_nodes);
         let longest_base_m = self.longest_base_m.unwrap_or(usual.longest_base_m);
@@ -301,6 +317,9 @@ impl LinkFigures {
         check(&format!("{of}.horizon_nodes"), horizon_nodes as f64, 0.0..=100.0, "from 0 to 100")?;
         check(&format!("{of}.longest_base_m"), longest_base_m, 0.1..=1000.0, "from 0.1 to 1000 metres")?;
         check(&format!("{of}.deviation_m"), deviation_m, 0.0..=5.0, "from 0 to 5 metres")?;
+        if let Some(map_id) = map_id.filter(|_| self.maps.is_empty()) {
+            self.maps.insert(map_id.to_owned(), MapFigures::default());
+        }
         if self.maps.is_empty() {
             let message = format!("`{of}.maps` must name the robots' map, or maps: {{\"their id\": {{}}}}");
             return Err(SiteError::Wrong { key: "link", message });
@@ -364,7 +383,7 @@ pub(crate) fn read_robots(
     }
 }
 
-fn read_robot(
+pub(crate) fn read_robot(
     robot: ListedRobotFile,
     kinds: &BTreeMap<String, RobotLinkSettings>,
     before: &[ListedRobot],

@@ -44,6 +44,7 @@ mod privacy;
 mod publish;
 mod recovery;
 mod robots;
+mod robots_of_others;
 mod roles;
 mod room;
 mod run;

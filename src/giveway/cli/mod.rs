@@ -16,6 +16,7 @@ pub mod progress;
 mod recording;
 mod replay;
 pub mod rings;
+mod robot;
 mod serve;
 pub mod sim;
 mod swarm;
@@ -45,6 +46,8 @@ enum CliCommand {
     Sim(sim::SimArgs),
     /// Draw floors, people, jobs and faults from seeds, check all laws, and shrink what fails.
     Swarm(swarm::SwarmArgs),
+    /// Run virtual robots that speak VDA 5050; write a broker's rights; probe a robot.
+    Robot(robot::RobotArgs),
     /// Replay a recording.
     Replay(replay::ReplayArgs),
     /// Check, show, make and import maps.
@@ -69,6 +72,7 @@ pub fn run() -> ExitCode {
         Some(CliCommand::Sim(sim)) => sim.run(),
         Some(CliCommand::Swarm(swarm)) => swarm.run(),
         Some(CliCommand::Map(map)) => map.run(),
+        Some(CliCommand::Robot(robot)) => robot.run(),
         Some(CliCommand::Replay(replay)) => replay.run(),
         Some(CliCommand::Serve(serve)) => serve.run(),
         Some(CliCommand::Bench(lab)) => lab.run("bench"),

@@ -45,6 +45,7 @@ impl Serve {
         };
         setup.use_model(self.model.as_deref())?;
         setup.use_pick_model(self.pick_model.as_deref())?;
+        setup.use_robots(config.broker()?, config.robots.as_deref())?;
         if let Some(word) = &config.method {
             let refused = "the setting `method` is refused";
             let site = &mut setup.scenario.site;

@@ -19,7 +19,7 @@ use giveway_sim::{
     Consistency, Demand, JobTally, NeesFigures, OrderFileLine, Outcome, Scenario, Simulation,
     nothing_to_order,
 };
-use giveway_site::Site;
+use giveway_site::{BrokerSettings, RobotsFile, Site};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -150,6 +150,30 @@ impl Setup {
         if let Some(path) = path {
             self.scenario.site.picks = read_pick_model(path)?;
         }
+        Ok(())
+    }
+
+    /// Adds robots behind a broker to the floor: those of a file, if one is named, at the broker or at the site's own.
+    pub fn use_robots(&mut self, broker: Option<BrokerSettings>, file: Option<&Path>) -> anyhow::Result<()> {
+        if broker.is_none() && file.is_none() {
+            return Ok(());
+        }
+        let site = &mut self.scenario.site;
+        let robots = match file {
+            None => None,
+            Some(path) => {
+                let refused = || format!("{} is refused", path.display());
+                Some(RobotsFile::parse(&read(path)?, Some((&*site, &self.warehouse))).with_context(refused)?)
+            }
+        };
+        site.add_robots(broker, robots).context("the robots are refused")?;
+        let listed = site.links.mqtt.as_ref().map_or(0, |mqtt| mqtt.robots.len());
+        let robots = self.scenario.robots + listed;
+        room_for(&self.warehouse, robots).map_err(|e| {
+            anyhow::anyhow!("the map has no room for {robots} robots, {listed} of them listed:\n{e}")
+        })?;
+        let fitted = self.scenario.site.fit(&self.warehouse);
+        self.warehouse = fitted.map_err(|e| anyhow::anyhow!("the map is not for the robots:\n{e}"))?;
         Ok(())
     }
 }

@@ -5,18 +5,20 @@
 //! settings.
 
 use super::certificate::{self, CertificateLocation};
+use crate::mqtt::broker::BrokerFlags;
 use anyhow::{Context, bail, ensure};
 use figment::Figment;
 use figment::providers::{Format, Serialized, Toml};
 use giveway_api::recording::Limits;
 use giveway_api::{Gate, Interop, OidcSettings, Role};
+use giveway_site::BrokerSettings;
 use openidconnect::ClientSecret;
 use serde::{Deserialize, Serialize};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 /// Settings that the environment may give.
-const FROM_ENVIRONMENT: [&str; 15] = [
+const FROM_ENVIRONMENT: [&str; 21] = [
     "site",
     "scenario",
     "method",
@@ -32,6 +34,12 @@ const FROM_ENVIRONMENT: [&str; 15] = [
     "tls_cert",
     "tls_key",
     "ca_file",
+    "mqtt",
+    "mqtt_ca",
+    "mqtt_cert",
+    "mqtt_key",
+    "mqtt_user",
+    "robots",
 ];
 
 /// Schemes of other databases, which are distinguished from file names even without `//`.
@@ -123,6 +131,15 @@ pub struct Flags {
     #[arg(long, value_name = "NETWORK")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub webhook_inside: Vec<String>,
+    /// The broker of robots that speak VDA 5050.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub broker: BrokerFlags,
+    /// Robots behind that broker, and their kinds (docs/robots.md); those of the floor drive beside them
+    /// [env: GIVEWAY_ROBOTS]
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robots: Option<PathBuf>,
 }
 
 /// The settings that result.
@@ -183,6 +200,18 @@ pub struct Config {
     /// Frames and workers of MassRobotics reports; only in the settings file.
     #[serde(default)]
     pub massrobotics: Interop,
+    /// The broker of robots that speak VDA 5050.
+    pub mqtt: Option<String>,
+    /// The authority of the broker's certificate.
+    pub mqtt_ca: Option<PathBuf>,
+    /// Our own certificate for the broker.
+    pub mqtt_cert: Option<PathBuf>,
+    /// The key of that certificate.
+    pub mqtt_key: Option<PathBuf>,
+    /// Our name at the broker.
+    pub mqtt_user: Option<String>,
+    /// A file with robots behind the broker.
+    pub robots: Option<PathBuf>,
 }
 
 /// The scenario that runs if no floor is named.
@@ -232,6 +261,12 @@ impl Default for Config {
             webhook_inside: Vec::new(),
             allowed_origins: Vec::new(),
             massrobotics: Interop::default(),
+            mqtt: None,
+            mqtt_ca: None,
+            mqtt_cert: None,
+            mqtt_key: None,
+            mqtt_user: None,
+            robots: None,
         }
     }
 }
@@ -287,6 +322,15 @@ impl Config {
             Some(site) => FloorFile::Site(site.clone()),
             None => FloorFile::Scenario(self.scenario.clone().unwrap_or_else(|| FIRST_SCENARIO.into())),
         }
+    }
+
+    /// The broker of robots, if one is named.
+    ///
+    /// # Errors
+    /// If something of a broker is named, but not its address.
+    pub fn broker(&self) -> anyhow::Result<Option<BrokerSettings>> {
+        let Config { mqtt, mqtt_ca, mqtt_cert, mqtt_key, mqtt_user, .. } = self.clone();
+        BrokerFlags { mqtt, mqtt_ca, mqtt_cert, mqtt_key, mqtt_user }.settings()
     }
 
     /// The gate that admits the tokens.

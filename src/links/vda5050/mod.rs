@@ -16,6 +16,7 @@ mod operator;
 mod order;
 mod overtaken;
 mod pause;
+pub mod probe;
 mod report;
 mod session;
 #[cfg(test)]

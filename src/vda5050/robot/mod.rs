@@ -1,9 +1,10 @@
 //! A virtual robot: the protocol side of VDA 5050 as a state machine, for tests of any master.
 //!
 //! Main types: [`VirtualRobot`] (the protocol), [`VirtualBody`] (what moves), [`EmbodiedRobot`] (both together),
-//! [`RobotSetup`] (what the robot is; presets behave as three real robots), [`RobotQuirks`] (habits and lies).
+//! [`WireRobot`] (with its messages as bytes), [`RobotSetup`] (what the robot is; presets behave as three real robots),
+//! [`RobotQuirks`] (habits and lies).
 //! Time, messages and the body's report come in, messages and the body's command go out; the same calls give the same
-//! answers. Source: VDA 5050, section 6 of each version. Refuses: clocks, input and output, randomness, headers, JSON,
+//! answers. Source: VDA 5050, section 6 of each version. Refuses: clocks, input and output, randomness,
 //! faults of the transport (they come from outside), and what no master here uses: zones, downloads, hibernation.
 
 mod acceptance;
@@ -19,18 +20,21 @@ mod report;
 mod setup;
 #[cfg(test)]
 mod tests;
+mod wire;
 
 pub use body::{BodyCommand, BodyLimits, BodyMotion, BodyReport, PathPoint, VirtualBody};
 pub use embodied::EmbodiedRobot;
 pub use link::GarbledMessage;
 pub use quirks::{
     BaseRequestHabit, CancelHabit, ChargingOrders, DeviationKey, DrivingFlag, EqualUpdate, ErrorMemory,
-    FirstState, HandlingParameters, HeadingCheck, IdleCancel, InstantActionsKey, InstantBatch, InstantHabit,
-    InstantMemory, LocalizedFlag, MidwayUpdate, NodeStops, NumericParameters, OrderActionHabit, OtherOrder,
-    PauseHabit, PausedFlag, ReadingHabit, ReconnectHabit, RejectionWords, RepeatedPause, ReportedBase,
-    RobotQuirks, StartRule, StateHabit, StitchedActions, UnreadableReply, VelocityFlag, VersionCheck,
+    FactsheetForm, FirstState, HandlingParameters, HeadingCheck, IdleCancel, InstantActionsKey, InstantBatch,
+    InstantHabit, InstantMemory, LocalizedFlag, MidwayUpdate, NodeStops, NumericParameters, OrderActionHabit,
+    OtherOrder, PauseHabit, PausedFlag, ReadingHabit, ReconnectHabit, RejectionWords, RepeatedPause,
+    ReportedBase, RobotQuirks, StartRule, StateHabit, StitchedActions, UnreadableReply, VelocityFlag,
+    VersionCheck,
 };
 pub use setup::{ChargingPlaces, LoadReading, RobotAbilities, RobotSetup};
+pub use wire::{ReadMessage, WireMessage, WireRobot};
 
 use crate::model::Message;
 use crate::model::state::{EStop, Load, OperatingMode, Position, State};

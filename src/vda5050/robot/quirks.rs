@@ -5,9 +5,11 @@
 //! names the robot that has it. Refuses: faults of the transport (delay, loss, doubling), which come from outside.
 
 use crate::version::Version;
+use serde::{Deserialize, Serialize};
 
 /// Habits and lies of a virtual robot. The default of each field is the standard's behaviour.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct RobotQuirks {
     /// The key under which the robot looks for instant actions. A matter of reading: the caller, which knows the JSON,
     /// reports a message with the wrong key by [`super::VirtualRobot::receive_unreadable`].
@@ -80,10 +82,13 @@ pub struct RobotQuirks {
     pub localized_flag: LocalizedFlag,
     /// When `newBaseRequest` is true.
     pub base_request: BaseRequestHabit,
+    /// What a factsheet has. A matter of writing: see [`super::WireRobot`].
+    pub factsheet_form: FactsheetForm,
 }
 
 /// The key under which a robot looks for instant actions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum InstantActionsKey {
     /// `actions`: the standard since the corrections of 2.0; robots B and C.
     #[default]
@@ -103,7 +108,8 @@ impl InstantActionsKey {
 }
 
 /// The spelling of the allowed deviation that a robot reads.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DeviationKey {
     /// `allowedDeviationXY`: the standard; robots B and C.
     #[default]
@@ -113,7 +119,8 @@ pub enum DeviationKey {
 }
 
 /// Which versions a robot accepts in headers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum VersionCheck {
     /// The robot accepts its own major version: robot B.
     #[default]
@@ -130,7 +137,8 @@ impl VersionCheck {
 }
 
 /// The answer to a message that cannot be read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum UnreadableReply {
     /// An error of level WARNING, whatever is wrong: the standard; robot B.
     #[default]
@@ -142,7 +150,8 @@ pub enum UnreadableReply {
 }
 
 /// How many instant actions a message may hold.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum InstantBatch {
     /// A message may hold any number of actions: the standard; robots B and C.
     #[default]
@@ -152,7 +161,8 @@ pub enum InstantBatch {
 }
 
 /// What happens with numbers as values of parameters of instant actions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum NumericParameters {
     /// Numbers are read: the standard.
     #[default]
@@ -162,7 +172,8 @@ pub enum NumericParameters {
 }
 
 /// Whether instant actions have an effect.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum InstantHabit {
     /// Instant actions are done, and unknown ones refused: the standard.
     #[default]
@@ -173,7 +184,8 @@ pub enum InstantHabit {
 }
 
 /// How long finished instant actions are listed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum InstantMemory {
     /// Listed until the next order before 3.0, until `clearInstantActions` since: the standard; robot B.
     #[default]
@@ -185,7 +197,8 @@ pub enum InstantMemory {
 }
 
 /// When a robot reads messages.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ReadingHabit {
     /// Messages are read at once: the standard; robots A and C.
     #[default]
@@ -195,7 +208,8 @@ pub enum ReadingHabit {
 }
 
 /// The answer to an update whose number the robot already has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum EqualUpdate {
     /// The update is ignored, with a state; since 3.0 other content is an error: the standard.
     #[default]
@@ -209,7 +223,8 @@ pub enum EqualUpdate {
 }
 
 /// What happens with the actions of the stitching node when they are sent again.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum StitchedActions {
     /// The actions are known by their ids and not done again: the standard; robots B and C.
     #[default]
@@ -220,7 +235,8 @@ pub enum StitchedActions {
 }
 
 /// How an update changes the reported base.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ReportedBase {
     /// The reported base stays as it is: the standard; robot A.
     #[default]
@@ -231,7 +247,8 @@ pub enum ReportedBase {
 }
 
 /// Whether an update in mid-way is driven.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum MidwayUpdate {
     /// The robot drives on along the update: the standard.
     #[default]
@@ -242,7 +259,8 @@ pub enum MidwayUpdate {
 }
 
 /// The answer to another order while one is active.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum OtherOrder {
     /// The other order is an error: the standard; robots B and C.
     #[default]
@@ -252,7 +270,8 @@ pub enum OtherOrder {
 }
 
 /// The type and level of errors about rejected orders.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum RejectionWords {
     /// Types and levels are those of the version: the standard; robot A.
     #[default]
@@ -264,7 +283,8 @@ pub enum RejectionWords {
 }
 
 /// What counts as standing on the first node of an order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum StartRule {
     /// The distance from the node decides: the standard; robots A and C.
     #[default]
@@ -274,7 +294,8 @@ pub enum StartRule {
 }
 
 /// How the heading demanded at the first node is checked.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum HeadingCheck {
     /// The heading is checked if the node gives a deviation: the standard.
     #[default]
@@ -284,7 +305,8 @@ pub enum HeadingCheck {
 }
 
 /// The first state after an order was accepted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FirstState {
     /// The first state does not list the node on which the robot stands: the standard; robot B.
     #[default]
@@ -294,7 +316,8 @@ pub enum FirstState {
 }
 
 /// What happens with the actions of an order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum OrderActionHabit {
     /// Actions are done, and an order with an unknown one is refused: the standard; robot A.
     #[default]
@@ -308,7 +331,8 @@ pub enum OrderActionHabit {
 }
 
 /// Which parameters `pick` and `drop` need.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum HandlingParameters {
     /// All parameters are optional: the standard.
     #[default]
@@ -318,7 +342,8 @@ pub enum HandlingParameters {
 }
 
 /// Whether orders are accepted while a robot charges.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ChargingOrders {
     /// Orders are accepted, and driving off ends the charging: the standard.
     #[default]
@@ -328,7 +353,8 @@ pub enum ChargingOrders {
 }
 
 /// What `startPause` does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PauseHabit {
     /// The robot brakes at once: the standard; robot A.
     #[default]
@@ -340,7 +366,8 @@ pub enum PauseHabit {
 }
 
 /// The answer to `startPause` while a robot is paused.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum RepeatedPause {
     /// The action says FINISHED: the standard, in which it is idempotent.
     #[default]
@@ -350,7 +377,8 @@ pub enum RepeatedPause {
 }
 
 /// What `cancelOrder` does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum CancelHabit {
     /// The robot brakes at once and drops the order: the standard; robot A.
     #[default]
@@ -362,7 +390,8 @@ pub enum CancelHabit {
 }
 
 /// The answer to `cancelOrder` without an order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum IdleCancel {
     /// The action is FAILED, with an error: the standard; robot B.
     #[default]
@@ -374,7 +403,8 @@ pub enum IdleCancel {
 }
 
 /// Whether a robot stops at nodes that do not ask for it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum NodeStops {
     /// The robot passes such nodes without a stop: the standard.
     #[default]
@@ -387,7 +417,8 @@ pub enum NodeStops {
 }
 
 /// How long errors stand.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ErrorMemory {
     /// Errors stand as the standard says, mostly until the next order is accepted: robot A.
     #[default]
@@ -399,7 +430,8 @@ pub enum ErrorMemory {
 }
 
 /// What happens when the broker is back after a loss.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ReconnectHabit {
     /// The robot says ONLINE and sends a state: the standard.
     #[default]
@@ -411,7 +443,8 @@ pub enum ReconnectHabit {
 }
 
 /// When states are sent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum StateHabit {
     /// States are sent on events and at least once an interval: the standard; robots A and B.
     #[default]
@@ -421,7 +454,8 @@ pub enum StateHabit {
 }
 
 /// Whether `driving` is true when a robot drives.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DrivingFlag {
     /// `driving` is reported as it is: the standard; robots A and B.
     #[default]
@@ -431,7 +465,8 @@ pub enum DrivingFlag {
 }
 
 /// Whether `paused` is reported.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PausedFlag {
     /// `paused` is reported: the standard; robots A and B.
     #[default]
@@ -441,7 +476,8 @@ pub enum PausedFlag {
 }
 
 /// Whether a speed is reported.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum VelocityFlag {
     /// The speed is reported: robot A.
     #[default]
@@ -451,7 +487,8 @@ pub enum VelocityFlag {
 }
 
 /// Whether a robot says that it is localised.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LocalizedFlag {
     /// Localisation is reported as it is: the standard; robots A and B.
     #[default]
@@ -461,7 +498,8 @@ pub enum LocalizedFlag {
 }
 
 /// When `newBaseRequest` is true.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum BaseRequestHabit {
     /// True if the robot will soon brake at the end of its base and has a horizon: the standard.
     #[default]
@@ -470,4 +508,17 @@ pub enum BaseRequestHabit {
     AtEveryEnd,
     /// Never true: robots A and C.
     Never,
+}
+
+/// What a factsheet has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FactsheetForm {
+    /// The factsheet is whole: the standard.
+    #[default]
+    Whole,
+    /// The factsheet has a header and nothing else: robot A.
+    HeaderOnly,
+    /// The factsheet's `loadSpecification` is null, which the schema forbids: robot C.
+    LoadsAreNull,
 }

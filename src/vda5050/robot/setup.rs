@@ -5,10 +5,10 @@
 use super::body::BodyLimits;
 use super::quirks::{
     BaseRequestHabit, CancelHabit, ChargingOrders, DeviationKey, DrivingFlag, EqualUpdate, ErrorMemory,
-    FirstState, HandlingParameters, HeadingCheck, IdleCancel, InstantActionsKey, InstantBatch, InstantHabit,
-    InstantMemory, LocalizedFlag, NodeStops, NumericParameters, OrderActionHabit, OtherOrder, PauseHabit,
-    PausedFlag, ReadingHabit, ReconnectHabit, RejectionWords, RepeatedPause, ReportedBase, RobotQuirks,
-    StartRule, StateHabit, StitchedActions, UnreadableReply, VelocityFlag, VersionCheck,
+    FactsheetForm, FirstState, HandlingParameters, HeadingCheck, IdleCancel, InstantActionsKey, InstantBatch,
+    InstantHabit, InstantMemory, LocalizedFlag, NodeStops, NumericParameters, OrderActionHabit, OtherOrder,
+    PauseHabit, PausedFlag, ReadingHabit, ReconnectHabit, RejectionWords, RepeatedPause, ReportedBase,
+    RobotQuirks, StartRule, StateHabit, StitchedActions, UnreadableReply, VelocityFlag, VersionCheck,
 };
 use crate::model::factsheet::Factsheet;
 use crate::model::state::Position;
@@ -167,6 +167,7 @@ impl RobotSetup {
             node_stops: NodeStops::EachNode { dwell_us: SECOND_US / 5 },
             reconnect: ReconnectHabit::Unannounced,
             base_request: BaseRequestHabit::Never,
+            factsheet_form: FactsheetForm::HeaderOnly,
             ..RobotQuirks::default()
         };
         setup
@@ -228,6 +229,7 @@ impl RobotSetup {
             velocity_flag: VelocityFlag::Absent,
             localized_flag: LocalizedFlag::AlwaysFalse,
             base_request: BaseRequestHabit::Never,
+            factsheet_form: FactsheetForm::LoadsAreNull,
             ..RobotQuirks::default()
         };
         setup

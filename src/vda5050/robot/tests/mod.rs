@@ -12,6 +12,7 @@ mod like_c;
 mod link;
 mod orders;
 mod rejections;
+mod wire;
 
 use super::{EmbodiedRobot, RobotMessage, RobotSetup};
 use crate::model::Message;

@@ -7,6 +7,7 @@
 mod desk;
 mod robot;
 
+use crate::mqtt::broker::PASSWORD;
 use crate::mqtt::{LineEvent, LineMessage, LineSetup, MqttLine, broker_of, is_loopback, tls_of};
 use anyhow::Context;
 use giveway_api::{LINK_QUESTIONS, LinkCounts, LinkQuestion, UnlistedRobot};
@@ -42,8 +43,6 @@ const BEGINS: Span = Span::from_secs(2);
 const CLAIMS: Span = Span::from_secs(600);
 /// Events of the line that wait for the next turn.
 const EVENTS: usize = 10_000;
-/// The variable of the environment with the password for the broker.
-const PASSWORD: &str = "GIVEWAY_MQTT_PASSWORD";
 /// What robots say.
 const ALL_KINDS: [TopicKind; 4] =
     [TopicKind::State, TopicKind::Connection, TopicKind::Factsheet, TopicKind::Visualization];
