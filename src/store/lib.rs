@@ -29,6 +29,7 @@ mod line_record;
 mod linked;
 mod listing;
 mod lock;
+mod migrations;
 mod names;
 mod note_record;
 mod old_kinds;
@@ -76,11 +77,10 @@ use giveway_floor::warehouse::Warehouse;
 use gone::Gone;
 use identity::OpenFiles;
 use lock::{Lock, LockRecord};
-use sqlx::migrate::{Migration, MigrationType, Migrator};
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
-use sqlx::{AssertSqlSafe, SqlSafeStr};
+use sqlx::AssertSqlSafe;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -297,7 +297,7 @@ async fn prepare(
         lock.leave_bare();
         return Err(StoreError::Alone(path.into()));
     }
-    migrator().run(writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
+    migrations::migrator().run(writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
     let last = old_kinds::take_up(writer, path, (map, &lock.run().to_string()), last).await?;
     let carried = seal_or_carry(writer, path, map, opening).await?;
     sqlx::query(TAKE).bind(lock.run().to_string()).execute(writer).await?;
@@ -335,55 +335,6 @@ async fn last_step(pool: &SqlitePool) -> Result<i64, StoreError> {
         return Ok(0);
     }
     Ok(sqlx::query_scalar(steps::LAST).fetch_one(pool).await?)
-}
-
-fn migrator() -> Migrator {
-    let first = include_str!("../../migrations/sqlite/0001_journal.sql").into_sql_str();
-    let second = include_str!("../../migrations/sqlite/0002_people.sql").into_sql_str();
-    let third = include_str!("../../migrations/sqlite/0003_history.sql").into_sql_str();
-    let fourth = include_str!("../../migrations/sqlite/0004_steps.sql").into_sql_str();
-    let fifth = include_str!("../../migrations/sqlite/0005_maps.sql").into_sql_str();
-    let sixth = include_str!("../../migrations/sqlite/0006_kinds.sql").into_sql_str();
-    let seventh = include_str!("../../migrations/sqlite/0007_nearest.sql").into_sql_str();
-    let eighth = include_str!("../../migrations/sqlite/0008_alarms.sql").into_sql_str();
-    let ninth = include_str!("../../migrations/sqlite/0009_job_labels.sql").into_sql_str();
-    let tenth = include_str!("../../migrations/sqlite/0010_robots.sql").into_sql_str();
-    let eleventh = include_str!("../../migrations/sqlite/0011_tokens.sql").into_sql_str();
-    let twelfth = include_str!("../../migrations/sqlite/0012_events.sql").into_sql_str();
-    let thirteenth = include_str!("../../migrations/sqlite/0013_sessions_people.sql").into_sql_str();
-    let fifteenth = include_str!("../../migrations/sqlite/0015_shift.sql").into_sql_str();
-    let sixteenth = include_str!("../../migrations/sqlite/0016_answers.sql").into_sql_str();
-    let seventeenth = include_str!("../../migrations/sqlite/0017_stops.sql").into_sql_str();
-    let nineteenth = include_str!("../../migrations/sqlite/0019_sign_on.sql").into_sql_str();
-    let twentieth = include_str!("../../migrations/sqlite/0020_lines.sql").into_sql_str();
-    let twenty_first = include_str!("../../migrations/sqlite/0021_cells.sql").into_sql_str();
-    let twenty_second = include_str!("../../migrations/sqlite/0022_pages.sql").into_sql_str();
-    let thirty_third = include_str!("../../migrations/sqlite/0033_alarm_care.sql").into_sql_str();
-    let thirty_fourth = include_str!("../../migrations/sqlite/0034_job_references.sql").into_sql_str();
-    Migrator::with_migrations(vec![
-        Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
-        Migration::new(2, "people".into(), MigrationType::Simple, second, false),
-        Migration::new(3, "history".into(), MigrationType::Simple, third, false),
-        Migration::new(4, "steps".into(), MigrationType::Simple, fourth, false),
-        Migration::new(5, "maps".into(), MigrationType::Simple, fifth, false),
-        Migration::new(6, "kinds".into(), MigrationType::Simple, sixth, false),
-        Migration::new(7, "nearest".into(), MigrationType::Simple, seventh, false),
-        Migration::new(8, "alarms".into(), MigrationType::Simple, eighth, false),
-        Migration::new(9, "job_labels".into(), MigrationType::Simple, ninth, false),
-        Migration::new(10, "robots".into(), MigrationType::Simple, tenth, false),
-        Migration::new(11, "tokens".into(), MigrationType::Simple, eleventh, false),
-        Migration::new(12, "events".into(), MigrationType::Simple, twelfth, false),
-        Migration::new(13, "sessions_people".into(), MigrationType::Simple, thirteenth, false),
-        Migration::new(15, "shift".into(), MigrationType::Simple, fifteenth, false),
-        Migration::new(16, "answers".into(), MigrationType::Simple, sixteenth, false),
-        Migration::new(17, "stops".into(), MigrationType::Simple, seventeenth, false),
-        Migration::new(19, "sign_on".into(), MigrationType::Simple, nineteenth, false),
-        Migration::new(20, "lines".into(), MigrationType::Simple, twentieth, false),
-        Migration::new(21, "cells".into(), MigrationType::Simple, twenty_first, false),
-        Migration::new(22, "pages".into(), MigrationType::Simple, twenty_second, false),
-        Migration::new(33, "alarm_care".into(), MigrationType::Simple, thirty_third, false),
-        Migration::new(34, "job_references".into(), MigrationType::Simple, thirty_fourth, false),
-    ])
 }
 
 /// Seals a new database with the map, and carries a database of another map over to this one.

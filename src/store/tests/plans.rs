@@ -25,6 +25,7 @@ const SMALL: [(&str, &str); 14] = [
     ("heat", "a day of places"),
     ("history", "three tiers of buckets, below 10 000 rows"),
     ("kinds", "kinds of robots that people added"),
+    ("linked_robots", "as many as the floor may have robots"),
     ("people", "people who are known, 1 000 at most"),
     ("robot_tallies", "one row for each robot"),
     ("sessions", "1 000 at most"),

@@ -130,6 +130,10 @@ impl MqttRobots {
             Some((_, version)) => version,
             None => None,
         };
+        let most = fleet.settings().limits.robots;
+        if self.robots.len() >= most && self.named(&new.name).is_none() {
+            return refused(format!("{most} robots are listed, which is the site's limit"));
+        }
         if fleet.ledger().kinds().named(&new.kind).is_none() {
             return refused(format!("there is no kind {}: GET /v1/kinds lists the kinds", new.kind));
         }
