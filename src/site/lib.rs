@@ -18,7 +18,7 @@ pub use kinds::{KindFigures, NamedKind, read_kind, read_kinds};
 pub use robots::{BrokerSettings, RobotsFile, RobotsFileError};
 pub use vda5050::{
     ActionForm, InstantKey, LinkFigures, ListedRobot, MQTT_LINK, MqttLink, MqttVersion, RepeatRule,
-    RobotLinkSettings,
+    RobotLinkSettings, SpeltDeviation,
 };
 
 use giveway_cell::Flow;

@@ -75,6 +75,8 @@ pub struct RobotLinkSettings {
     pub set: ActionForm,
     /// Which key instant actions have.
     pub instant_key: InstantKey,
+    /// How the allowed deviation from a node is spelt.
+    pub deviation_key: SpeltDeviation,
     /// Whether an order may be sent again that the robot has not taken.
     pub repeat: RepeatRule,
     /// How far from a node an order may begin, metres.
@@ -105,6 +107,17 @@ pub enum InstantKey {
     Both,
 }
 
+/// How the allowed deviation from a node is spelt: the published 2.0 spells it otherwise than its later corrections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum SpeltDeviation {
+    /// `allowedDeviationXY` and `allowedDeviationTheta`, as all later texts have it.
+    #[serde(rename = "allowedDeviationXY")]
+    Later,
+    /// `allowedDeviationXy`, as 2.0 was published.
+    #[serde(rename = "allowedDeviationXy")]
+    Published,
+}
+
 /// Whether an order may be sent again that the robot has not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RepeatRule {
@@ -128,6 +141,7 @@ impl Default for RobotLinkSettings {
             lift: form("pick"),
             set: form("drop"),
             instant_key: InstantKey::Both,
+            deviation_key: SpeltDeviation::Later,
             repeat: RepeatRule::Safe,
             deviation_m: 0.5,
             needs_localized: true,
@@ -208,6 +222,7 @@ enum BlockingWord {
 #[serde(default, deny_unknown_fields)]
 struct QuirksFile {
     instant_actions_key: Option<InstantKeyWord>,
+    deviation_key: Option<SpeltDeviation>,
     repeat: Option<RepeatWord>,
     localized: Option<LocalizedWord>,
 }
@@ -345,6 +360,7 @@ impl LinkFigures {
             lift: self.actions.lift.map_or(usual.lift, ActionFile::form),
             set: self.actions.set.map_or(usual.set, ActionFile::form),
             instant_key: key.unwrap_or(usual.instant_key),
+            deviation_key: self.quirks.deviation_key.unwrap_or(usual.deviation_key),
             repeat: repeat.unwrap_or(usual.repeat),
             needs_localized: self.quirks.localized != Some(LocalizedWord::Ignored),
             deviation_m,

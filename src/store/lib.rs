@@ -77,10 +77,10 @@ use giveway_floor::warehouse::Warehouse;
 use gone::Gone;
 use identity::OpenFiles;
 use lock::{Lock, LockRecord};
+use sqlx::AssertSqlSafe;
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
-use sqlx::AssertSqlSafe;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;

@@ -191,7 +191,8 @@ impl RobotSession {
     /// Sends what is to be driven and was not sent yet.
     pub(super) fn mind_order(&mut self, now: Time) {
         let (Some(wanted), Some(progress)) = (self.wanted.clone(), &self.progress) else { return };
-        if progress.failed.is_some() || now < self.rests_until.max(self.next_order()) {
+        let waits = now < self.rests_until.max(self.next_order()) || self.might_set_off();
+        if progress.failed.is_some() || waits {
             return;
         }
         let Some(end) = self.base_end(&wanted) else { return };

@@ -92,6 +92,10 @@ impl RobotSession {
                 Some(Err(_)) if self.says_paused() => self.pause.stage = PauseState::Stands(now),
                 _ => self.tell_again(now, asked, START_PAUSE),
             },
+            // Some robots lift a pause by themselves when their order is cancelled.
+            (true, PauseState::Stands(since)) if self.says_unpaused_since(since) => {
+                self.pause.stage = PauseState::Stops(self.ask(now, START_PAUSE));
+            }
             (true, PauseState::Stands(since)) => self.note_false_pause(now, since),
             (false, PauseState::Stops(_) | PauseState::Stands(_) | PauseState::Failed) => {
                 self.pause.stage = PauseState::GoesOn(self.ask(now, STOP_PAUSE));
@@ -105,6 +109,16 @@ impl RobotSession {
             }
             (true, PauseState::Failed) | (false, PauseState::Drives) => {}
         }
+    }
+
+    /// Whether a later state says that the robot is not paused.
+    fn says_unpaused_since(&self, since: Time) -> bool {
+        self.state.as_ref().is_some_and(|(at, state)| *at > since && state.paused == Some(false))
+    }
+
+    /// Whether an order sent now could set the robot off although it is to stand.
+    pub(super) fn might_set_off(&self) -> bool {
+        self.pause.wanted && !self.says_paused() && self.pauses()
     }
 
     pub(super) fn says_paused(&self) -> bool {

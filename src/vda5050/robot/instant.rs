@@ -243,6 +243,9 @@ impl VirtualRobot {
                 return InstantOutcome::Finished;
             }
             self.begin_cancel();
+            if self.setup.quirks.cancel == CancelHabit::AtOnceAndUnpauses {
+                self.pause = PauseStage::Off;
+            }
             return InstantOutcome::Running;
         }
         if self.setup.quirks.idle_cancel == IdleCancel::Finished {

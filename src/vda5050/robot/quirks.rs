@@ -380,9 +380,11 @@ pub enum RepeatedPause {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CancelHabit {
-    /// The robot brakes at once and drops the order: the standard; robot A.
+    /// The robot brakes at once and drops the order: the standard.
     #[default]
     AtOnce,
+    /// It does so, and a pause ends with the order: robot A.
+    AtOnceAndUnpauses,
     /// The robot stops at the next node and drops the order: the standard for line-guided robots.
     AtNextNode,
     /// The action says FINISHED, and the robot drives on to the end of its base: robot C.

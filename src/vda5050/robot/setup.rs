@@ -163,6 +163,7 @@ impl RobotSetup {
             handling_parameters: HandlingParameters::FloorAndEpal,
             charging_orders: ChargingOrders::Refused,
             repeated_pause: RepeatedPause::Failed,
+            cancel: CancelHabit::AtOnceAndUnpauses,
             idle_cancel: IdleCancel::ErrorOnly,
             node_stops: NodeStops::EachNode { dwell_us: SECOND_US / 5 },
             reconnect: ReconnectHabit::Unannounced,

@@ -390,6 +390,9 @@ impl ProbeFindings {
         if let Some(key) = self.key {
             quirks.insert("instant_actions_key".to_owned(), json!(key.word()));
         }
+        if self.deviation == Some(DeviationSpelling::Published) {
+            quirks.insert("deviation_key".to_owned(), json!("allowedDeviationXy"));
+        }
         if matches!(self.repeat, Some(RepeatAnswer::Error | RepeatAnswer::Fatal)) {
             quirks.insert("repeat".to_owned(), json!("never"));
         }

@@ -120,7 +120,9 @@ fn a_robot_like_a_has_its_own_keys_and_an_empty_factsheet_and_survives() {
         serde_json::json!({"instant_actions_key": "instantActions", "deviation_key": "allowedDeviationXy",
             "idle_cancel": "error only"}),
     );
-    assert_eq!(found["kind"]["link"]["quirks"]["instant_actions_key"], "instantActions");
+    let spelt = &found["kind"]["link"]["quirks"];
+    assert_eq!(spelt["instant_actions_key"], "instantActions");
+    assert_eq!(spelt["deviation_key"], "allowedDeviationXy");
 }
 
 #[test]

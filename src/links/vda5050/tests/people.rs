@@ -1,7 +1,7 @@
 //! Stops: a pause at once, and again until the robot stands.
 
 use super::*;
-use giveway_fleet::Command;
+use giveway_fleet::{Command, FloorAction};
 
 #[test]
 fn a_stop_is_a_pause_in_the_same_turn_and_ends_with_one() {
@@ -28,4 +28,29 @@ fn a_stop_is_a_pause_in_the_same_turn_and_ends_with_one() {
         *at >= now && matches!(message, Message::InstantActions(a) if a[0].kind == "startPause")
     });
     assert_eq!(starts.count(), 1, "it was heard at once and is not told again");
+}
+
+#[test]
+fn a_robot_whose_pause_ends_with_its_cancelled_order_is_paused_again_before_it_gets_another() {
+    let mut floor = LinkFloor::new(lab(), vec![RobotSetup::like_a()]);
+    floor.all_ready();
+    floor.submit_deliveries(1);
+    floor.until(60, "it drives", |f| f.pairs[0].speed_mps() > 0.3);
+    floor.step(vec![Input::ask(5, FloorAction::Halt(None))]);
+    floor.until(10, "it is paused", |f| f.pairs[0].session.says_paused());
+    floor.run(3);
+    let progress = floor.pairs[0].session.progress.clone().expect("it has joined");
+    let revokes = Command::Revoke { reached: progress.reached, number: progress.recalls + 1 };
+    let out = floor.pairs[0].session.command(floor.now, &revokes);
+    floor.take(0, out, &mut Vec::new());
+    floor.run(5);
+    let told = floor.pairs[0].told.iter().filter_map(|(_, _, message)| match message {
+        Message::InstantActions(actions) => Some(actions[0].kind.as_str()),
+        Message::Order(_) => Some("order"),
+        _ => None,
+    });
+    let since: Vec<&str> = told.skip_while(|kind| *kind != "cancelOrder").collect();
+    let next = since.iter().find(|kind| ["order", "startPause"].contains(kind));
+    assert_eq!(next, Some(&"startPause"), "{since:?}");
+    assert!(floor.pairs[0].session.says_paused() && floor.pairs[0].speed_mps() < 0.01);
 }

@@ -8,7 +8,7 @@ use giveway_floor::id::RobotId;
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::Warehouse;
 use giveway_links::vda5050::{Notice, RobotSession, RobotTold};
-use giveway_site::{InstantKey, ListedRobot, RobotLinkSettings};
+use giveway_site::{InstantKey, ListedRobot, RobotLinkSettings, SpeltDeviation};
 use giveway_vda5050::{Header, TopicKind, Version, write};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -33,8 +33,8 @@ pub struct RobotHere {
     pub returns: bool,
     pub noticed: VecDeque<(Time, Notice)>,
     pub said: VecDeque<SaidMessage>,
-    /// The key that its kind reads instant actions under.
-    key: InstantKey,
+    /// How its kind spells what the published 2.0 spells otherwise.
+    spelling: (InstantKey, SpeltDeviation),
     /// The number of the next message of each kind.
     next: BTreeMap<TopicKind, u32>,
 }
@@ -47,7 +47,7 @@ impl RobotHere {
         settings: RobotLinkSettings,
         (map, boot): (Arc<Warehouse>, u64),
     ) -> RobotHere {
-        let key = settings.instant_key;
+        let spelling = (settings.instant_key, settings.deviation_key);
         let session = RobotSession::new(version, settings, map, boot);
         let (next, noticed, said) = Default::default();
         RobotHere {
@@ -59,7 +59,7 @@ impl RobotHere {
             returns: false,
             noticed,
             said,
-            key,
+            spelling,
             next,
         }
     }
@@ -77,8 +77,10 @@ impl RobotHere {
         };
         *next = next.wrapping_add(1);
         let mut text = write(&header, &told.message, version);
-        if told.kind == TopicKind::InstantActions {
-            name_actions(&mut text, self.key);
+        match told.kind {
+            TopicKind::InstantActions => name_actions(&mut text, self.spelling.0),
+            TopicKind::Order if self.spelling.1 == SpeltDeviation::Published => spell_deviations(&mut text),
+            _ => {}
         }
         let text = text.to_string();
         self.keep(now, true, told.kind, &text);
@@ -129,6 +131,19 @@ fn name_actions(text: &mut serde_json::Value, key: InstantKey) {
     }
     if key == InstantKey::InstantActions {
         fields.remove("actions");
+    }
+}
+
+/// Spells allowed deviations as 2.0 was published.
+fn spell_deviations(text: &mut serde_json::Value) {
+    let nodes = text.get_mut("nodes").and_then(serde_json::Value::as_array_mut);
+    for node in nodes.into_iter().flatten() {
+        let place = node.get_mut("nodePosition").and_then(serde_json::Value::as_object_mut);
+        if let Some(place) = place
+            && let Some(deviation) = place.remove("allowedDeviationXY")
+        {
+            place.insert("allowedDeviationXy".to_owned(), deviation);
+        }
     }
 }
 
