@@ -8,4 +8,5 @@ mod entrance;
 mod pairs;
 mod sensor;
 mod shared_tasks;
+mod wheels;
 pub(crate) mod workers;

@@ -3,15 +3,18 @@
 //! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what any client
 //! may read over the API.
 
-use super::entrance::entrance;
+use super::entrance::{entrance, gateway};
 use super::pairs::{Pairs, next_to};
 use super::sensor::Device;
 use super::shared_tasks::{SharedTasks, unassigned};
+use super::wheels::Wheels;
 use crate::askers::CREW;
 use crate::link::{Link, LinkFaults};
 use crate::random::Stream;
 use crate::scenario::{Assignments, Faults, Scenario, SecondTag, TaskSharing, Workers};
-use crate::walker::{Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease};
+use crate::walker::{
+    Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease, parts,
+};
 use giveway_fleet::{
     Assignment, AssignmentRequest, AssignmentState, Guidance, GuidanceReason, GuidanceState, Input, Ledger,
     Token, WorkerAction,
@@ -21,6 +24,7 @@ use giveway_floor::id::{AssignmentId, NodeId, WorkerId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::walkway::Walkways;
 use giveway_floor::warehouse::{NodeKind, Warehouse};
+use giveway_people::human::Mover;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -39,14 +43,19 @@ const TOUCHES_MARKS: Span = Span::from_secs(15);
 
 /// One worker with device and radio.
 #[derive(Debug)]
-struct Member {
+pub(super) struct Member {
     name: String,
     id: Option<WorkerId>,
+    pub(super) mover: Mover,
+    /// The doors by which the worker enters and leaves, and the nodes where the worker works, if these are fewer than
+    /// those of people on foot.
+    doors: Option<Vec<Point>>,
+    fronts: Option<Vec<NodeId>>,
     enters: Time,
     /// Where the fleet knew the worker before this world began: that worker never left.
     stays: Option<Point>,
     leaves: Time,
-    walker: Option<Walker>,
+    pub(super) walker: Option<Walker>,
     device: Option<Device>,
     /// The tag that the worker also wears, if any.
     tag: Option<Device>,
@@ -97,13 +106,31 @@ pub struct TrueWorker {
     pub pose: Pose,
     /// The worker's speed, metres per second.
     pub speed_mps: f64,
+    /// What the worker moves as.
+    pub mover: Mover,
+}
+
+impl TrueWorker {
+    /// Discs of a person's size that cover the worker: what scanners see.
+    pub fn parts(&self) -> Vec<Point> {
+        parts(&self.mover, self.pose)
+    }
+
+    /// The disc among these that is nearest to a place.
+    pub fn part_nearest(&self, to: Point) -> Point {
+        if self.mover == Mover::OnFoot {
+            return self.pose.at;
+        }
+        let far = |p: &Point| (p - to).norm();
+        self.parts().into_iter().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(self.pose.at)
+    }
 }
 
 impl Crew {
     /// The workers of a scenario, all outside; none if the scenario has none or the map has no floor for people.
     pub fn new(warehouse: &Arc<Warehouse>, scenario: &Scenario, seed: u64, now: Time) -> Option<Crew> {
         let workers = scenario.workers.clone();
-        if workers.count == 0 {
+        if workers.all() == 0 {
             return None;
         }
         let walkways = Walkways::of(warehouse);
@@ -116,10 +143,11 @@ impl Crew {
         }
         let fronts = fronts(warehouse, &workers.assignments, &walkways);
         let member = |i: usize| Member::new(i, &workers, &scenario.faults, seed, now);
-        let mut members: Vec<Member> = (0..workers.count).map(member).collect();
+        let mut members: Vec<Member> = (0..workers.all()).map(member).collect();
         let pairs = Pairs::draw(workers.pairs, workers.count, seed);
         for (i, member) in members.iter_mut().enumerate() {
             member.tasks = Stream::new(seed, TASKS, pairs.leader(i) as u64);
+            member.reach(warehouse, &walkways, (&doors, &fronts));
         }
         let places = fronts.iter().map(|n| warehouse.nodes[*n].at).collect();
         let counts = [0; 3];
@@ -188,6 +216,10 @@ impl Crew {
                 inputs.push(self.ask(WorkerAction::Register(name)));
             }
         }
+        let (id, mover) = (self.members[i].id, self.members[i].mover);
+        if let Some(worker) = id.filter(|w| ledger.mover(*w) != mover) {
+            inputs.push(self.ask(WorkerAction::MoveAs(worker, mover)));
+        }
     }
 
     /// Keeps shared assignments open, and takes them back when the last worker leaves.
@@ -223,21 +255,23 @@ impl Crew {
         };
         let member = &self.members[i];
         let shares = self.workers.tasks == TaskSharing::Nearest;
-        if now < member.enters || self.fronts.is_empty() || shares {
+        let fronts = member.fronts.as_ref().unwrap_or(&self.fronts);
+        if now < member.enters || fronts.is_empty() || shares {
             return;
         }
         let open = ledger.assignments.iter();
         let open =
             open.filter(|(id, a)| a.worker == Some(worker) && !member.done.contains(id)).count() as u64;
+        let fronts = fronts.len();
         for _ in open..AHEAD {
             let member = &mut self.members[i];
             let at = match self.workers.assignments {
-                Assignments::List { .. } => member.asked as usize % self.fronts.len(),
-                _ => member.tasks.below(self.fronts.len()),
+                Assignments::List { .. } => member.asked as usize % fronts,
+                _ => member.tasks.below(fronts),
             };
             // Both workers of a pair draw the same places; the second takes the next one.
             let at = if self.pairs.leader(i) == i { at } else { next_to(at, &self.places) };
-            let place = self.fronts[at];
+            let place = member.fronts.as_ref().unwrap_or(&self.fronts)[at];
             member.asked += 1;
             // A world before a restart may have made the same request; the key identifies it.
             let key = Some(format!("{}/{}/{}", member.name, self.seed, member.asked));
@@ -275,16 +309,21 @@ impl Crew {
         let colleagues: Vec<Vec<Point>> = (0..self.members.len()).map(|i| self.colleagues(i, now)).collect();
         let seen = |m: &Member| m.walker.as_ref().filter(|w| !w.is_gone()).map(|w| w.seen(now));
         let mut people: Vec<Option<PersonNear>> = self.members.iter().map(seen).collect();
+        let wheels = Wheels::of(&self.members, now);
         for (i, member) in self.members.iter_mut().enumerate() {
             member.listen(now);
             let others = || people.iter().flatten().filter(|p| p.who != i);
             if member.walker.is_none() {
-                let door = self.doors[i % self.doors.len()];
+                let doors = member.doors.as_ref().unwrap_or(&self.doors);
+                let Some(door) = doors.get(i % doors.len().max(1)).copied() else { continue };
                 let waits = now >= member.enters && now < member.leaves && member.id.is_some();
                 let beside = |at: &Point| robots.iter().any(|r| (r.at - at).norm() < BESIDE_M);
                 let stays = member.stays.filter(|at| !beside(at));
-                if waits && let Some(at) = stays.or_else(|| entrance(door, &self.walkways, others(), robots))
-                {
+                let enters = || match member.mover {
+                    Mover::OnFoot => entrance(door, &self.walkways, others(), robots),
+                    mover => gateway(door, mover, others(), robots),
+                };
+                if waits && let Some(at) = stays.or_else(enters) {
                     member.walker =
                         Some(Walker::new(&self.workers, self.seed, i as u64, at, self.start, now));
                     member.device = Some(Device::new(self.workers.sensor_of(i), self.seed, i as u64, now));
@@ -299,12 +338,15 @@ impl Crew {
             }
             if now >= member.leaves {
                 let far = |d: &Point| (d - walker.pose(now).at).norm();
-                let door = self.doors.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)));
+                let doors = member.doors.as_ref().unwrap_or(&self.doors);
+                let door = doors.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)));
                 walker.send_home(door.expect("checked in `new`"));
             }
             let job = member.job.filter(|j| !member.done.contains(&j.id));
             let here = walker.way_at();
-            let near: Vec<PersonNear> = others().filter(|p| p.matters_to(here)).copied().collect();
+            let mut near: Vec<PersonNear> = others().filter(|p| p.matters_to(here)).copied().collect();
+            near.retain(|p| !wheels.is_vehicle(p.who) && member.mover == Mover::OnFoot);
+            let robots = &*wheels.among(robots, i, others());
             let companion = self.pairs.mate(i).and_then(|mate| people[mate]);
             let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i], companion };
             let around = WalkerSurroundings { walkways: &self.walkways, robots, people: &near };
@@ -350,7 +392,12 @@ impl Crew {
     pub fn present(&self, now: Time) -> impl Iterator<Item = TrueWorker> {
         let walkers = self.members.iter().enumerate().filter_map(|(i, m)| m.walker.as_ref().map(|w| (i, w)));
         let present = walkers.filter(|(_, w)| !w.is_gone());
-        present.map(move |(worker, w)| TrueWorker { worker, pose: w.pose(now), speed_mps: w.speed_mps() })
+        present.map(move |(worker, w)| TrueWorker {
+            worker,
+            pose: w.pose(now),
+            speed_mps: w.speed_mps(),
+            mover: w.mover(),
+        })
     }
 
     /// The truth about each worker who has been on the floor: its number in the fleet, and the walker.
@@ -374,9 +421,16 @@ impl Member {
         let link = |purpose, delays| (Stream::new(seed, purpose, who), Stream::new(seed, delays, who));
         let (radio, button) = (link(21, 23), link(22, 24));
         let enters = now + Span::from_secs_f64(workers.enter_s) + APART * i as i64;
+        let name = match i.checked_sub(workers.count) {
+            None => format!("worker-{}", i + 1),
+            Some(k) => format!("driver-{}", k + 1),
+        };
         Member {
-            name: format!("worker-{}", i + 1),
+            name,
             id: None,
+            mover: workers.mover_of(i),
+            doors: None,
+            fronts: None,
             enters,
             stays: None,
             leaves: workers.leave_s.map_or(Time::MAX, |s| now + Span::from_secs_f64(s)),
@@ -396,6 +450,27 @@ impl Member {
             known: Vec::new(),
             asked_for_marks: None,
         }
+    }
+
+    /// Notes which doors and places of work a vehicle gets to. One that gets to no door never enters.
+    fn reach(
+        &mut self,
+        warehouse: &Warehouse,
+        walkways: &Walkways,
+        (doors, fronts): (&[Point], &[NodeId]),
+    ) {
+        if self.mover == Mover::OnFoot {
+            return;
+        }
+        let (clearance_m, cut) = (self.mover.clearance_m(), walkways.edges_narrower_than(self.mover.clearance_m()));
+        let stand = |at: Point| walkways.stand_near(at, clearance_m);
+        let doors: Vec<Point> = doors.iter().filter_map(|door| stand(*door)).collect();
+        let is_reached = |n: &NodeId| {
+            let goal = stand(warehouse.nodes[*n].at);
+            doors.first().zip(goal).is_some_and(|(door, goal)| walkways.path(*door, goal, &cut).is_some())
+        };
+        self.fronts = Some(fronts.iter().copied().filter(is_reached).collect());
+        self.doors = Some(doors);
     }
 
     /// Workers who have been told for a while that the headset is lost touch marks again.
@@ -436,7 +511,9 @@ impl Member {
         let Some(worker) = self.id else { return };
         let mine = ledger.assignments.values().filter(|a| a.worker == Some(worker));
         let places = mine.map(|a| ledger.warehouse().nodes[a.request.place].at);
-        self.known = doors.iter().copied().chain(places.filter_map(|p| stand(p, walkways))).collect();
+        let doors = self.doors.as_deref().unwrap_or(doors);
+        let places = places.filter_map(|p| stand(p, &self.mover, walkways));
+        self.known = doors.iter().copied().chain(places).collect();
     }
 
     /// A worker's next errand: the one that the device shows, or else the first one not done.
@@ -465,7 +542,7 @@ impl Member {
         let any = || all.iter().find(|(id, a)| is_open(id, a));
         let (id, assignment) = shown.or_else(first).or_else(any)?;
         let place = ledger.warehouse().nodes[assignment.request.place].at;
-        let at = stand(place, walkways)?;
+        let at = stand(place, &self.mover, walkways)?;
         Some(Errand { id: *id, at, stay: assignment.request.stay })
     }
 }
@@ -480,9 +557,12 @@ fn shown(g: &Guidance) -> Shown {
     }
 }
 
-/// Where a person stands to reach a place.
-fn stand(place: Point, walkways: &Walkways) -> Option<Point> {
-    walkways.on_floor(place).map(|p| ease(p, walkways))
+/// Where a worker stands to reach a place.
+fn stand(place: Point, mover: &Mover, walkways: &Walkways) -> Option<Point> {
+    match mover {
+        Mover::OnFoot => walkways.on_floor(place).map(|p| ease(p, walkways)),
+        Mover::Vehicle(_) => walkways.stand_near(place, mover.clearance_m()),
+    }
 }
 
 /// Nodes with work for people: storage places that can be reached on foot, or those that the scenario names.
