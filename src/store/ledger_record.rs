@@ -10,8 +10,7 @@ use super::job_record::{
 };
 use super::line_record::LinesRecord;
 use super::people_record::{
-    AssignmentRecord, AssignmentStateRecord, ClosureRecord, LastPlaceRecord, RecurringRecord,
-    VehicleRecord,
+    AssignmentRecord, AssignmentStateRecord, ClosureRecord, LastPlaceRecord, RecurringRecord, VehicleRecord,
 };
 use super::record::{is_usual_kind, is_usual_link, usual_kind, usual_link};
 use super::route_record::{StopRecord, VisitRecord};

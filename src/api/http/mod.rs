@@ -163,7 +163,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(fleet::halt::go_on))
         .merge(station_routes())
         .routes(routes!(people::workers::list, people::workers::hire))
-        .routes(routes!(people::workers::get))
+        .routes(routes!(people::workers::get, people::workers::change))
         .routes(routes!(people::pseudonyms::list))
         .routes(routes!(people::pseudonyms::erase))
         .routes(routes!(people::lost::clear))

@@ -153,8 +153,9 @@ impl<'a> WaysPast<'a> {
     /// Where one straight step leads, if it comes near no robot except one that it leads away from.
     fn steps(&self) -> Vec<Point> {
         let robots = self.floor.ledger.present();
-        let robots: Vec<_> =
-            robots.map(|r| (self.floor.place_of(r), self.floor.beside_m(r, self.mover.half_width_m()))).collect();
+        let robots: Vec<_> = robots
+            .map(|r| (self.floor.place_of(r), self.floor.beside_m(r, self.mover.half_width_m())))
+            .collect();
         let is_clear = |to: &Point| {
             let step = Segment { a: self.at, b: *to };
             let leaves = |r: &Point| (to - r).norm() > (self.at - r).norm() + 0.3;
@@ -168,7 +169,8 @@ impl<'a> WaysPast<'a> {
     fn standing(&self) -> impl Iterator<Item = Square> {
         let (floor, half_width_m) = (self.floor, self.mover.half_width_m());
         let standing = floor.ledger.present().filter(move |r| floor.stands_near(*r, self.at));
-        standing.map(move |r| Square { at: floor.place_of(r), half_m: floor.beside_m(r, half_width_m) + ALONG_M })
+        standing
+            .map(move |r| Square { at: floor.place_of(r), half_m: floor.beside_m(r, half_width_m) + ALONG_M })
     }
 
     /// Ways between the robots that stand nearby, and the walkways that they lead to, the nearest first.

@@ -153,7 +153,8 @@ impl HumanState {
     pub(crate) fn drives_up(&self, floor: Floor<'_>, robot: RobotId, place: &Whereabouts) -> bool {
         let Some(seen) = floor.scene.robot(robot).filter(|t| t.speed_mps > DRIVES_MPS) else { return false };
         let loaded = floor.ledger.rack_on(robot).is_some();
-        let radius_m = floor.regions(robot).towards(place).stop_radius_at_m(seen.speed_mps, loaded, place.sigma_m);
+        let radius_m =
+            floor.regions(robot).towards(place).stop_radius_at_m(seen.speed_mps, loaded, place.sigma_m);
         let to = place.at - seen.pose.at;
         let along = Vector::new(seen.pose.heading.cos(), seen.pose.heading.sin());
         to.norm() < radius_m && along.dot(&to) > 0.0

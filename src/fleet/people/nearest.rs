@@ -32,8 +32,10 @@ impl HumanState {
             }
             let place = writer.ledger().assignments[&assignment].request.place;
             let goal = writer.warehouse().nodes[place].at;
-            let ways_there =
-                free.iter().enumerate().filter_map(|(i, (worker, at))| Some((self.far(*worker, *at, goal)?, i)));
+            let ways_there = free
+                .iter()
+                .enumerate()
+                .filter_map(|(i, (worker, at))| Some((self.far(*worker, *at, goal)?, i)));
             // Workers are in order, and the first of equal ways is taken.
             let Some((_, nearest)) = ways_there.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
             let (worker, _) = free.remove(nearest);

@@ -198,7 +198,8 @@ impl SpeedLimits<'_> {
         let mut slowest: (Option<f64>, Option<WorkerId>) = (None, None);
         for (worker, w) in present {
             let distance = (at - w.at).norm() - w.reach_m;
-            if distance > w.mover.far_m(FAR_M) || w.reach_m > 0.0 && !self.is_within_reach(robot, *worker, w) {
+            if distance > w.mover.far_m(FAR_M) || w.reach_m > 0.0 && !self.is_within_reach(robot, *worker, w)
+            {
                 continue;
             }
             let off = w.presence != Presence::Lost && self.drives_away(robot, at, w, now);

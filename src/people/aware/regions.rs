@@ -294,12 +294,15 @@ mod tests {
     #[test]
     fn regions_around_a_vehicle_grow_with_its_size_and_with_the_speed_that_it_has_or_may_have() {
         let r = Regions::new(Kinematics::default(), 0.9, 0.1);
-        let keep_out = |mps, presence| {
-            r.towards(&seen(forklift(), mps, presence)).keep_out_radius_m(true, 0.1)
-        };
+        let keep_out =
+            |mps, presence| r.towards(&seen(forklift(), mps, presence)).keep_out_radius_m(true, 0.1);
         let [stands, drives, fast] = [0.0, 2.0, 4.0].map(|mps| keep_out(mps, Presence::Tracked));
         assert!(stands < drives && drives < fast, "{stands} {drives} {fast}");
-        assert_eq!(keep_out(0.0, Presence::Stale), keep_out(9.0, Presence::Tracked), "nobody knows how fast it is");
+        assert_eq!(
+            keep_out(0.0, Presence::Stale),
+            keep_out(9.0, Presence::Tracked),
+            "nobody knows how fast it is"
+        );
         let one = r.for_mover(forklift()).stop_radius_m(false, 0.1) - r.stop_radius_m(false, 0.1);
         assert!((one - (forklift().body_m() - BODY_M)).abs() < 1e-9, "region 1 grows by the vehicle's size");
     }

@@ -36,7 +36,5 @@ pub(crate) use mover::tests as mover_tests;
 pub use mover::{BODY_M, Mover, Vehicle, VehicleFault, VehicleFigures, WALK_MPS};
 pub use passage::{Band, Hypothesis, Passage, passages};
 pub use sighting::{Quality, Sighting, SourceId};
-pub use track::{
-    FeedCounts, LOST, LastKnown, Presence, STALE, SightingOutcome, Track, Whereabouts,
-};
+pub use track::{FeedCounts, LOST, LastKnown, Presence, STALE, SightingOutcome, Track, Whereabouts};
 pub use way::{common_prefix, straight_on, towards_goal};

@@ -122,7 +122,7 @@ impl Vehicle {
         let all = [
             ("length_m", length_m, LENGTH_M),
             ("width_m", width_m, WIDTH_M),
-            ("behind_m", behind_m, 0.0..=length_m.clamp(0.0, *LENGTH_M.end())),
+            ("behind_m", behind_m, 0.0..=length_m.max(0.0)),
             ("speed_mps", speed_mps, SPEED_MPS),
             ("accel_mps2", accel_mps2, ACCEL_MPS2),
             ("brake_mps2", brake_mps2, BRAKE_MPS2),
@@ -345,7 +345,8 @@ pub(crate) mod tests {
 
     #[test]
     fn all_figures_that_no_vehicle_has_are_named_at_once() {
-        let figures = VehicleFigures { behind_m: 9.0, speed_mps: 5.0, ..VehicleFigures::of_size(0.1, f64::NAN) };
+        let figures =
+            VehicleFigures { behind_m: 9.0, speed_mps: 5.0, ..VehicleFigures::of_size(0.1, f64::NAN) };
         let faults = Vehicle::new(figures).expect_err("no vehicle is like that");
         let keys: Vec<&str> = faults.iter().map(|f| f.key).collect();
         assert_eq!(keys, ["length_m", "width_m", "behind_m", "speed_mps"]);

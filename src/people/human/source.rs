@@ -6,8 +6,8 @@
 //! Marks on one line leave two places open until the map or another source rules one of them out. Refuses: to compare
 //! sources with one another, which the track does.
 
-use super::sighting::{Quality, Sighting};
 use super::mover::Mover;
+use super::sighting::{Quality, Sighting};
 use super::track::{Presence, Whereabouts};
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::time::{Span, Time};

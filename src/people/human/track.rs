@@ -285,7 +285,9 @@ impl Track {
     pub fn whereabouts(&self, now: Time) -> Option<Whereabouts> {
         let seen = self.of(self.lead).whereabouts(now);
         match self.remembered {
-            Some(place) if place.within_m.is_some() || seen.is_none() => Some(place.whereabouts(self.mover, now)),
+            Some(place) if place.within_m.is_some() || seen.is_none() => {
+                Some(place.whereabouts(self.mover, now))
+            }
             _ => seen,
         }
     }

@@ -5,6 +5,7 @@
 //! room `walker`. Refuses: to show the fleet anything but what devices measure.
 
 mod entrance;
+mod member;
 mod pairs;
 mod sensor;
 mod shared_tasks;

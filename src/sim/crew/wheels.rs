@@ -4,7 +4,7 @@
 //! do not walk in front of it. A driver minds people as they mind robots: the vehicle stops before them. Refuses: to
 //! move anybody.
 
-use super::workers::Member;
+use super::member::Member;
 use crate::walker::{BODY_M, PersonNear, RobotNear, parts};
 use giveway_floor::time::Time;
 use giveway_people::human::Mover;

@@ -4,78 +4,29 @@
 //! may read over the API.
 
 use super::entrance::{entrance, gateway};
+use super::member::{AGAIN, Member, TASKS};
 use super::pairs::{Pairs, next_to};
 use super::sensor::Device;
 use super::shared_tasks::{SharedTasks, unassigned};
 use super::wheels::Wheels;
 use crate::askers::CREW;
-use crate::link::{Link, LinkFaults};
+use crate::link::LinkFaults;
 use crate::random::Stream;
-use crate::scenario::{Assignments, Faults, Scenario, SecondTag, TaskSharing, Workers};
-use crate::walker::{
-    Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease, parts,
-};
-use giveway_fleet::{
-    Assignment, AssignmentRequest, AssignmentState, Guidance, GuidanceReason, GuidanceState, Input, Ledger,
-    Token, WorkerAction,
-};
+use crate::scenario::{Assignments, Scenario, SecondTag, TaskSharing, Workers};
+use crate::walker::{PersonNear, RobotNear, Walker, WalkerSurroundings, WorkKnowledge, parts};
+use giveway_fleet::{AssignmentRequest, Guidance, Input, Ledger, Token, WorkerAction};
 use giveway_floor::geometry::{Point, Pose};
 use giveway_floor::id::{AssignmentId, NodeId, WorkerId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::walkway::Walkways;
 use giveway_floor::warehouse::{NodeKind, Warehouse};
 use giveway_people::human::Mover;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Number of open assignments that each worker always has.
 const AHEAD: u64 = 2;
-/// Purpose of the streams that draw where each worker works, see [`Stream::new`].
-const TASKS: u64 = 20;
-/// Interval between two workers entering.
-const APART: Span = Span::from_secs(3);
 /// A worker who was on the floor before this world began is placed at least this far from robots, metres.
 const BESIDE_M: f64 = 1.0;
-/// Interval after which a lost message is sent again, in either direction.
-const AGAIN: Span = Span::from_millis(300);
-/// Workers who are told that the headset is lost touch marks after this time.
-const TOUCHES_MARKS: Span = Span::from_secs(15);
-
-/// One worker with device and radio.
-#[derive(Debug)]
-pub(super) struct Member {
-    name: String,
-    id: Option<WorkerId>,
-    pub(super) mover: Mover,
-    /// The doors by which the worker enters and leaves, and the nodes where the worker works, if these are fewer than
-    /// those of people on foot.
-    doors: Option<Vec<Point>>,
-    fronts: Option<Vec<NodeId>>,
-    enters: Time,
-    /// Where the fleet knew the worker before this world began: that worker never left.
-    stays: Option<Point>,
-    leaves: Time,
-    pub(super) walker: Option<Walker>,
-    device: Option<Device>,
-    /// The tag that the worker also wears, if any.
-    tag: Option<Device>,
-    tasks: Stream,
-    asked: u64,
-    done: BTreeSet<AssignmentId>,
-    /// The latest guidance for the worker, how often it changed, and when it was last sent.
-    told: Option<(u64, Guidance)>,
-    sent: Time,
-    heard: u64,
-    radio: Link<(u64, Guidance)>,
-    /// The other direction: the assignment that the worker reports as done, and when it last did so.
-    button: Link<AssignmentId>,
-    pressed: Time,
-    /// What the worker may do next, and the places that everybody knows.
-    job: Option<Errand>,
-    known: Vec<Point>,
-    /// Since when the worker has been told that the headset is lost or has a poor position.
-    asked_for_marks: Option<Time>,
-}
 
 /// All simulated workers.
 #[derive(Debug)]
@@ -328,7 +279,8 @@ impl Crew {
                         Some(Walker::new(&self.workers, self.seed, i as u64, at, self.start, now));
                     member.device = Some(Device::new(self.workers.sensor_of(i), self.seed, i as u64, now));
                     let second = |tag: SecondTag| Device::second(tag.sensor(), self.seed, i as u64, now);
-                    member.tag = self.workers.tag.map(second);
+                    let worn = self.workers.tag.filter(|_| member.mover == Mover::OnFoot);
+                    member.tag = worn.map(second);
                     member.heard = 0;
                 }
             }
@@ -415,156 +367,6 @@ fn add(sums: &mut [u64; 3], counts: [u64; 3]) {
     sums.iter_mut().zip(counts).for_each(|(sum, n)| *sum += n);
 }
 
-impl Member {
-    fn new(i: usize, workers: &Workers, faults: &Faults, seed: u64, now: Time) -> Member {
-        let who = i as u64;
-        let link = |purpose, delays| (Stream::new(seed, purpose, who), Stream::new(seed, delays, who));
-        let (radio, button) = (link(21, 23), link(22, 24));
-        let enters = now + Span::from_secs_f64(workers.enter_s) + APART * i as i64;
-        let name = match i.checked_sub(workers.count) {
-            None => format!("worker-{}", i + 1),
-            Some(k) => format!("driver-{}", k + 1),
-        };
-        Member {
-            name,
-            id: None,
-            mover: workers.mover_of(i),
-            doors: None,
-            fronts: None,
-            enters,
-            stays: None,
-            leaves: workers.leave_s.map_or(Time::MAX, |s| now + Span::from_secs_f64(s)),
-            walker: None,
-            device: None,
-            tag: None,
-            tasks: Stream::new(seed, TASKS, who),
-            asked: 0,
-            done: BTreeSet::new(),
-            told: None,
-            sent: now,
-            heard: 0,
-            radio: Link::new(faults.into(), radio.0, radio.1),
-            button: Link::new(faults.into(), button.0, button.1),
-            pressed: now,
-            job: None,
-            known: Vec::new(),
-            asked_for_marks: None,
-        }
-    }
-
-    /// Notes which doors and places of work a vehicle gets to. One that gets to no door never enters.
-    fn reach(
-        &mut self,
-        warehouse: &Warehouse,
-        walkways: &Walkways,
-        (doors, fronts): (&[Point], &[NodeId]),
-    ) {
-        if self.mover == Mover::OnFoot {
-            return;
-        }
-        let (clearance_m, cut) = (self.mover.clearance_m(), walkways.edges_narrower_than(self.mover.clearance_m()));
-        let stand = |at: Point| walkways.stand_near(at, clearance_m);
-        let doors: Vec<Point> = doors.iter().filter_map(|door| stand(*door)).collect();
-        let is_reached = |n: &NodeId| {
-            let goal = stand(warehouse.nodes[*n].at);
-            doors.first().zip(goal).is_some_and(|(door, goal)| walkways.path(*door, goal, &cut).is_some())
-        };
-        self.fronts = Some(fronts.iter().copied().filter(is_reached).collect());
-        self.doors = Some(doors);
-    }
-
-    /// Workers who have been told for a while that the headset is lost touch marks again.
-    fn touch_marks(&mut self, now: Time) {
-        if self.asked_for_marks.is_some_and(|since| now - since >= TOUCHES_MARKS) {
-            self.asked_for_marks = None;
-            self.device.iter_mut().for_each(Device::begin_frame);
-        }
-    }
-
-    /// Receives guidance from the radio, and asks for guidance that was lost.
-    fn listen(&mut self, now: Time) {
-        if let Some((number, _)) = &self.told
-            && *number > self.heard
-            && now - self.sent >= AGAIN
-        {
-            self.sent = now;
-            self.radio.send(now, self.told.clone().expect("just seen"));
-        }
-        while let Some((number, guidance)) = self.radio.receive(now) {
-            if number > self.heard {
-                self.heard = number;
-                if let Some(walker) = &mut self.walker {
-                    walker.hear(now, shown(&guidance));
-                }
-                let asked = matches!(
-                    guidance.reason,
-                    Some(GuidanceReason::NotTracked | GuidanceReason::PlaceUnsure(_))
-                );
-                self.asked_for_marks = asked.then(|| self.asked_for_marks.unwrap_or(now));
-            }
-        }
-    }
-
-    /// Looks up the next errand of each worker.
-    fn look_up(&mut self, ledger: &Ledger, doors: &[Point], walkways: &Walkways) {
-        self.job = self.next_job(ledger, walkways);
-        let Some(worker) = self.id else { return };
-        let mine = ledger.assignments.values().filter(|a| a.worker == Some(worker));
-        let places = mine.map(|a| ledger.warehouse().nodes[a.request.place].at);
-        let doors = self.doors.as_deref().unwrap_or(doors);
-        let places = places.filter_map(|p| stand(p, &self.mover, walkways));
-        self.known = doors.iter().copied().chain(places).collect();
-    }
-
-    /// A worker's next errand: the one that the device shows, or else the first one not done.
-    fn next_job(&self, ledger: &Ledger, walkways: &Walkways) -> Option<Errand> {
-        let worker = self.id?;
-        let all = &ledger.assignments;
-        // A worker who is told to leave or to wait outside looks for no work.
-        let reason = self.told.as_ref().and_then(|(_, g)| g.reason);
-        if matches!(
-            reason,
-            Some(
-                GuidanceReason::Evacuation
-                    | GuidanceReason::LeavesClosure(_)
-                    | GuidanceReason::PlaceClosed(_)
-            )
-        ) {
-            return None;
-        }
-        let shown = self.told.as_ref().and_then(|(_, g)| g.assignment);
-        let is_open = |id: &AssignmentId, a: &Assignment| {
-            a.worker == Some(worker) && !a.state.is_over() && !self.done.contains(id)
-        };
-        let shown = shown.and_then(|id| all.get_key_value(&id)).filter(|(id, a)| is_open(id, a));
-        let at_work = |a: &Assignment| a.state != AssignmentState::Waiting;
-        let first = || all.iter().find(|(id, a)| is_open(id, a) && at_work(a));
-        let any = || all.iter().find(|(id, a)| is_open(id, a));
-        let (id, assignment) = shown.or_else(first).or_else(any)?;
-        let place = ledger.warehouse().nodes[assignment.request.place].at;
-        let at = stand(place, &self.mover, walkways)?;
-        Some(Errand { id: *id, at, stay: assignment.request.stay })
-    }
-}
-
-fn shown(g: &Guidance) -> Shown {
-    Shown {
-        version: g.version,
-        path: g.path.clone(),
-        redirected: g.state == GuidanceState::Redirected,
-        stop: g.state == GuidanceState::Stop,
-        leave: matches!(g.reason, Some(GuidanceReason::Evacuation | GuidanceReason::LeavesClosure(_))),
-    }
-}
-
-/// Where a worker stands to reach a place.
-fn stand(place: Point, mover: &Mover, walkways: &Walkways) -> Option<Point> {
-    match mover {
-        Mover::OnFoot => walkways.on_floor(place).map(|p| ease(p, walkways)),
-        Mover::Vehicle(_) => walkways.stand_near(place, mover.clearance_m()),
-    }
-}
-
 /// Nodes with work for people: storage places that can be reached on foot, or those that the scenario names.
 fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways) -> Vec<NodeId> {
     let named = |n: NodeId, places: &[String]| places.contains(&warehouse.nodes[n].name);
@@ -583,7 +385,7 @@ fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Sensor;
+    use crate::scenario::{Faults, Sensor};
     use giveway_fleet::{Fleet, Request, Settings};
     use giveway_floor::geometry::Vector;
     use giveway_floor::warehouse::thesis;

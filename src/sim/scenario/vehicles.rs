@@ -50,7 +50,9 @@ impl DrivenVehicle {
     pub(super) fn check(&self) -> Result<(), SiteError> {
         self.tag.check("workers.vehicles.tag")?;
         let Err(faults) = self.made() else { return Ok(()) };
-        let say = |f: &VehicleFault| format!("{} is {}, but must be from {} to {}", f.key, f.found, f.least, f.most);
+        let say = |f: &VehicleFault| {
+            format!("{} is {}, but must be from {} to {}", f.key, f.found, f.least, f.most)
+        };
         let message = faults.iter().map(say).collect::<Vec<_>>().join("; ");
         Err(SiteError::Wrong { key: "workers.vehicles", message })
     }

@@ -294,7 +294,9 @@ impl Walker {
     /// The next place of a walk without a goal.
     fn stroll(&mut self, walkways: &Walkways) {
         let Some((here, _)) = walkways.nearest(self.legs.at) else { return };
-        let wide = |e: WalkEdgeId| self.legs.vehicle.is_none() || walkways.edges()[e].clearance_m >= self.legs.wall_m();
+        let wide = |e: WalkEdgeId| {
+            self.legs.vehicle.is_none() || walkways.edges()[e].clearance_m >= self.legs.wall_m()
+        };
         let links: Vec<WalkNodeId> =
             walkways.links(here).iter().filter(|(e, _)| wide(*e)).map(|(_, next)| *next).collect();
         let Some(next) = links.get(self.strolls.below(links.len().max(1))) else { return };

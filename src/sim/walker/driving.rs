@@ -129,8 +129,12 @@ impl Legs {
         let sign = if self.is_reversing { -1.0 } else { 1.0 };
         let ahead = Vector::new(self.heading.cos(), self.heading.sin()) * sign;
         let to = self.at + ahead * (self.speed_mps * dt);
-        let is_wide = around.walkways.clearance_m(to) >= self.wall_m().min(around.walkways.clearance_m(self.at));
-        if self.speed_mps > 0.0 && is_wide && self.may_be(vehicle, Pose { at: to, heading: self.heading }, around) {
+        let is_wide =
+            around.walkways.clearance_m(to) >= self.wall_m().min(around.walkways.clearance_m(self.at));
+        if self.speed_mps > 0.0
+            && is_wide
+            && self.may_be(vehicle, Pose { at: to, heading: self.heading }, around)
+        {
             self.walked_m += self.speed_mps * dt;
             self.at = to;
         } else {
@@ -182,12 +186,7 @@ impl Legs {
     }
 
     /// How far the way ahead is free, metres; nothing if it is free as far as the vehicle needs to stop.
-    fn looks_ahead(
-        &self,
-        vehicle: &Vehicle,
-        foresight: f64,
-        around: &WalkerSurroundings<'_>,
-    ) -> Option<f64> {
+    fn looks_ahead(&self, vehicle: &Vehicle, foresight: f64, around: &WalkerSurroundings<'_>) -> Option<f64> {
         let brake = vehicle.figures().brake_mps2;
         let look_m = self.speed_mps * (REACTS_S + self.speed_mps / (2.0 * brake)) + 2.0 * BEFORE_M;
         let body_m = Mover::Vehicle(*vehicle).body_m();

@@ -272,8 +272,10 @@ impl Legs {
         while let Some(&next) = self.route.front() {
             let far = (next - self.at).norm();
             let cut_m = self.beside_m.map_or(self.cut_m, |aside| self.cut_m.max(2.0 * aside.abs()));
-            let cut =
-                self.route.get(1).is_some_and(|then| far < cut_m && roomy(self.at, *then, self.wall_m(), walkways));
+            let cut = self
+                .route
+                .get(1)
+                .is_some_and(|then| far < cut_m && roomy(self.at, *then, self.wall_m(), walkways));
             if !cut && far >= THERE_M {
                 break;
             }
