@@ -523,7 +523,16 @@ export class Composer {
     /** A box whose middle is so far from the rear end and to the left. */
     const part = (kind: Kind, from: number, left: number, l: number, w: number, colour: number, more = 0): void => {
       const ahead = from - behind;
-      sheet.put(kind, x + ahead * along - left * across, y + ahead * across + left * along, l, w, colour, heading, more);
+      sheet.put(
+        kind,
+        x + ahead * along - left * across,
+        y + ahead * across + left * along,
+        l,
+        w,
+        colour,
+        heading,
+        more,
+      );
     };
     const edge = Math.max(0.08, 1.5 * hair);
     part(KIND.box, length / 2, 0, length + 2 * edge, width + 2 * edge, ink.halo);
