@@ -124,7 +124,7 @@ mod tests {
 
     fn robot(from: (f64, f64), to: (f64, f64)) -> Swept {
         let way = vec![Point::new(from.0, from.1), Point::new(to.0, to.1)];
-        Swept { way, speed_mps: 1.5, half_m: 0.45 }
+        Swept { way, speed_mps: 1.5, half_m: 0.45, mover: Mover::OnFoot }
     }
 
     #[test]

@@ -176,7 +176,7 @@ mod tests {
         };
         let distance = |n: NodeId| (w.nodes[n].at - start).norm();
         let on_foot: Vec<_> = w.nodes.ids().map(|n| (n, distance(n))).filter(|(_, m)| reach(*m)).collect();
-        occupancies(w, BESIDE_M, &on_foot, stays, Time::ZERO, person)
+        occupancies(w, (Mover::OnFoot, BESIDE_M), &on_foot, stays, Time::ZERO, person)
     }
 
     fn start(w: &Warehouse) -> Point {
@@ -226,7 +226,7 @@ mod tests {
             Some(Mixture { parts: vec![part, part] })
         };
         let on_foot: Vec<_> = w.nodes.ids().map(|n| (n, 0.0)).collect();
-        let all = occupancies(&w, BESIDE_M, &on_foot, &[], Time::ZERO, person);
+        let all = occupancies(&w, (Mover::OnFoot, BESIDE_M), &on_foot, &[], Time::ZERO, person);
         assert!((at(&all, node(&w, 0.0)).unwrap().probability - 0.8).abs() < 0.03);
     }
 
@@ -253,6 +253,6 @@ mod tests {
     fn nobody_who_was_never_seen_takes_a_node() {
         let w = thesis();
         let stay = Stay { at: start(&w), window: Window::new(Time::ZERO, Time(1)), probability: 1.0 };
-        assert!(occupancies(&w, BESIDE_M, &[], &[stay], Time::ZERO, |_| None).is_empty());
+        assert!(occupancies(&w, (Mover::OnFoot, BESIDE_M), &[], &[stay], Time::ZERO, |_| None).is_empty());
     }
 }

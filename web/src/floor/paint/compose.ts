@@ -512,8 +512,8 @@ export class Composer {
     }
   }
 
-  /** A vehicle to scale, seen from above: the body behind, two forks ahead; an outline while nobody knows the place. The
-   *  mark of its driver comes on top, where the tag is. */
+  /** A vehicle to scale, seen from above: the body behind, two forks ahead; an outline while nobody knows the place.
+   *  The mark of its driver comes on top, where the tag is. */
   #vehicle({ x, y, heading, presence }: Person, vehicle: Vehicle, hair: number): void {
     const ink = this.#inks;
     const sheet = this.sheets.people;
