@@ -6,8 +6,8 @@
 
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::{Span, Time, Window};
-use giveway_people::aware::safe_space::{Adaptation, Case, StoppingTimes, Zone};
 use giveway_people::aware::Regions;
+use giveway_people::aware::safe_space::{Adaptation, Case, StoppingTimes, Zone};
 use giveway_people::human::BODY_M;
 
 /// Speeds in the table, metres per second.

@@ -200,7 +200,12 @@ impl MeetingReplay {
             let outside = |d: f64| (d.abs() - self.half_m).max(0.0);
             let touches = outside(off.x).hypot(outside(off.y)) < BODY_M;
             let stated = (t - start >= KNOWN && off.norm() < NEAR_M).then(|| {
-                let swept = Swept { way: way.ahead(metres), speed_mps: self.speed_mps, half_m: self.half_m, mover: Mover::OnFoot };
+                let swept = Swept {
+                    way: way.ahead(metres),
+                    speed_mps: self.speed_mps,
+                    half_m: self.half_m,
+                    mover: Mover::OnFoot,
+                };
                 let time = Span::from_secs_f64(self.lead_s) + BEYOND;
                 subject.forecast(|o| collision(|t| o.at(t), &swept, t, time)).unwrap_or(1.0)
             });

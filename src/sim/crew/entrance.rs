@@ -1,6 +1,6 @@
 //! Where a simulated worker enters: at the door, or close to it if another person stands in the door.
 //!
-//! Main functions: [`entrance`], and [`gateway`] for vehicles. Refuses: to let anybody step out in front of a robot that could not stop.
+//! Main functions: [`entrance`], and [`vehicle_entrance`] for vehicles. Refuses: to let anybody step out in front of a robot that could not stop.
 
 use crate::walker::{APART_M, PersonNear, RobotNear};
 use giveway_floor::geometry::Point;
@@ -34,7 +34,7 @@ pub(super) fn entrance<'a>(
 }
 
 /// Where a vehicle enters at a door now; nothing while robots or people are in the way.
-pub(super) fn gateway<'a>(
+pub(super) fn vehicle_entrance<'a>(
     door: Point,
     mover: Mover,
     mut people: impl Iterator<Item = &'a PersonNear>,

@@ -7,7 +7,7 @@
 mod entrance;
 mod member;
 mod pairs;
+mod seen_vehicles;
 mod sensor;
 mod shared_tasks;
-mod wheels;
 pub(crate) mod workers;

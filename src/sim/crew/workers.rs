@@ -3,12 +3,12 @@
 //! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what any client
 //! may read over the API.
 
-use super::entrance::{entrance, gateway};
+use super::entrance::{entrance, vehicle_entrance};
 use super::member::{AGAIN, Member, TASKS};
 use super::pairs::{Pairs, next_to};
+use super::seen_vehicles::SeenVehicles;
 use super::sensor::Device;
 use super::shared_tasks::{SharedTasks, unassigned};
-use super::wheels::Wheels;
 use crate::askers::CREW;
 use crate::link::LinkFaults;
 use crate::random::Stream;
@@ -260,7 +260,7 @@ impl Crew {
         let colleagues: Vec<Vec<Point>> = (0..self.members.len()).map(|i| self.colleagues(i, now)).collect();
         let seen = |m: &Member| m.walker.as_ref().filter(|w| !w.is_gone()).map(|w| w.seen(now));
         let mut people: Vec<Option<PersonNear>> = self.members.iter().map(seen).collect();
-        let wheels = Wheels::of(&self.members, now);
+        let vehicles = SeenVehicles::of(&self.members, now);
         for (i, member) in self.members.iter_mut().enumerate() {
             member.listen(now);
             let others = || people.iter().flatten().filter(|p| p.who != i);
@@ -272,7 +272,7 @@ impl Crew {
                 let stays = member.stays.filter(|at| !beside(at));
                 let enters = || match member.mover {
                     Mover::OnFoot => entrance(door, &self.walkways, others(), robots),
-                    mover => gateway(door, mover, others(), robots),
+                    mover => vehicle_entrance(door, mover, others(), robots),
                 };
                 if waits && let Some(at) = stays.or_else(enters) {
                     member.walker =
@@ -297,8 +297,8 @@ impl Crew {
             let job = member.job.filter(|j| !member.done.contains(&j.id));
             let here = walker.way_at();
             let mut near: Vec<PersonNear> = others().filter(|p| p.matters_to(here)).copied().collect();
-            near.retain(|p| !wheels.is_vehicle(p.who) && member.mover == Mover::OnFoot);
-            let robots = &*wheels.among(robots, i, others());
+            near.retain(|p| !vehicles.is_vehicle(p.who) && member.mover == Mover::OnFoot);
+            let robots = &*vehicles.among(robots, i, others());
             let companion = self.pairs.mate(i).and_then(|mate| people[mate]);
             let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i], companion };
             let around = WalkerSurroundings { walkways: &self.walkways, robots, people: &near };

@@ -1,6 +1,6 @@
 //! How people on foot and drivers see one another.
 //!
-//! Main type: [`Wheels`]. Whoever is on foot minds a vehicle as they mind a robot: they stop before it, step aside, and
+//! Main type: [`SeenVehicles`]. Whoever is on foot minds a vehicle as they mind a robot: they stop before it, step aside, and
 //! do not walk in front of it. A driver minds people as they mind robots: the vehicle stops before them. Refuses: to
 //! move anybody.
 
@@ -12,16 +12,16 @@ use std::borrow::Cow;
 
 /// The vehicles on the floor at one moment.
 #[derive(Debug)]
-pub(super) struct Wheels {
+pub(super) struct SeenVehicles {
     /// For each worker, whether they drive a vehicle.
     vehicles: Vec<bool>,
     /// The discs that cover each vehicle, with the number of its driver.
     parts: Vec<(usize, RobotNear)>,
 }
 
-impl Wheels {
+impl SeenVehicles {
     /// The vehicles of these workers.
-    pub fn of(members: &[Member], now: Time) -> Wheels {
+    pub fn of(members: &[Member], now: Time) -> SeenVehicles {
         let mut all = Vec::new();
         for (i, member) in members.iter().enumerate().filter(|(_, m)| m.mover != Mover::OnFoot) {
             let Some(walker) = member.walker.as_ref().filter(|w| !w.is_gone()) else { continue };
@@ -29,7 +29,7 @@ impl Wheels {
             let disc = |at| (i, RobotNear { at, velocity, half_m: BODY_M });
             all.extend(parts(&member.mover, walker.pose(now)).into_iter().map(disc));
         }
-        Wheels { vehicles: members.iter().map(|m| m.mover != Mover::OnFoot).collect(), parts: all }
+        SeenVehicles { vehicles: members.iter().map(|m| m.mover != Mover::OnFoot).collect(), parts: all }
     }
 
     /// Whether a worker drives a vehicle.
