@@ -47,6 +47,25 @@ impl HumanState {
         self.walkways.edges_narrower_than(mover.clearance_m())
     }
 
+    /// Besides, walkways beside robots that stand nearby: a vehicle does not get past them.
+    pub(super) fn edges_beside_robots(
+        &self,
+        floor: Floor<'_>,
+        (mover, at): (Mover, Point),
+        cut: &EdgeSet,
+    ) -> EdgeSet {
+        let mut cut = cut.clone();
+        let is_near =
+            |r: &RobotId| floor.stands(*r) && (floor.place_of(*r) - at).norm() < mover.far_m(BETWEEN_M);
+        for robot in floor.ledger.present().filter(is_near) {
+            let reach_m = floor.beside_m(robot, mover.half_width_m());
+            self.walkways.edges_within(floor.place_of(robot), reach_m).into_iter().for_each(|e| {
+                cut.insert(e);
+            });
+        }
+        cut
+    }
+
     /// Walkways that robots block for long, and those in areas that are closed to people.
     pub(super) fn edges_blocked_for_long(
         &self,

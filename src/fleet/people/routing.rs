@@ -247,6 +247,8 @@ impl HumanState {
         }
         // If no place is clear of all their ways: one that is clear of the way of one robot, the longest waiting first.
         let mover = self.mover(worker);
+        let beside = (mover != Mover::OnFoot).then(|| self.edges_beside_robots(floor, (mover, at), cut));
+        let cut = beside.as_ref().unwrap_or(cut);
         let ways = WaysPast::new(self, floor, (mover, at), cut);
         let enough_m = REFUGE_CLEAR_M + mover.body_m() - BODY_M;
         let clear = |wanted: &[Point]| self.place_aside(floor, wanted, (mover, at), enough_m, &ways);

@@ -24,6 +24,9 @@ const IN_THE_WAY_S: f64 = 8.0;
 /// How far ahead places are closed, and how far ahead they have a soft cost.
 const HARD: Span = Span::from_secs(6);
 const SOFT: Span = Span::from_secs(15);
+/// The same for vehicles, beside which robots find no room on most roads: they leave the road before it comes.
+const HARD_VEHICLE: Span = Span::from_secs(15);
+const SOFT_VEHICLE: Span = Span::from_secs(30);
 /// Without forecasts: places that a walker reaches within the first time are closed, within the second they have a soft
 /// cost; seconds.
 const HARD_REACH_S: f64 = 2.0;
@@ -105,9 +108,13 @@ impl Effects<'_> {
         band: Band,
     ) {
         let beside_m = self.regions.for_mover(mover).beside_m();
+        let (hard, soft) = match mover {
+            Mover::OnFoot => (HARD, SOFT),
+            Mover::Vehicle(_) => (HARD_VEHICLE, SOFT_VEHICLE),
+        };
         let mut found: BTreeMap<NodeId, (f64, usize, Window)> = BTreeMap::new();
         for (i, h) in paths.iter().enumerate().filter(|(_, h)| h.probability >= NEGLIGIBLE / 4.0) {
-            passages(i, h, band, self.now, SOFT, |p| {
+            passages(i, h, band, self.now, soft, |p| {
                 for node in self.warehouse.nodes_within(p.at, beside_m) {
                     let entry = found.entry(node).or_insert((0.0, usize::MAX, p.window));
                     if entry.1 != i {
@@ -120,7 +127,7 @@ impl Effects<'_> {
         let cause = Cause::Worker(worker);
         for (node, (probability, _, window)) in found {
             let effect = match probability {
-                p if p >= SURE && window.start() <= self.now + HARD => Effect::Closed,
+                p if p >= SURE && window.start() <= self.now + hard => Effect::Closed,
                 p if p >= NEGLIGIBLE => Effect::SoftCost(Span::from_secs_f64(IN_THE_WAY_S * p.min(1.0))),
                 _ => continue,
             };

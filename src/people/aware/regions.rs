@@ -21,8 +21,6 @@ pub const SLOW_MPS: f64 = 0.5;
 pub const CREEP_MPS: f64 = 0.25;
 /// Within this distance of people, robots approach so slowly that twice the separation distance is left, metres.
 pub const APPROACH_M: f64 = 3.0;
-/// How far the measured speed of a vehicle may be wrong, metres per second.
-const MEASURED_MPS: f64 = 0.2;
 
 /// Radii and speeds for one kind of robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +51,7 @@ impl Regions {
     /// The regions around one worker, who may be in a vehicle.
     pub fn towards(&self, w: &Whereabouts) -> Regions {
         let moves_mps = match w.presence {
-            Presence::Tracked => w.velocity.norm() + MEASURED_MPS,
+            Presence::Tracked => w.mover.moves_mps(w.velocity.norm(), w.sigma_m),
             _ => w.mover.assumed_mps(),
         };
         Regions { mover: w.mover, moves_mps, ..*self }

@@ -39,6 +39,8 @@ const UNSEEN_S: f64 = 5.0;
 const USUAL_SHARE: f64 = 0.6;
 /// A vehicle that is faster than its stated top speed by this factor is not the vehicle.
 const MEASURED: f64 = 1.2;
+/// How far the measured speed of a vehicle may be wrong, metres per second.
+const MEASURED_MPS: f64 = 0.2;
 /// Room between a vehicle and obstacles on either side of its way, metres.
 const SIDE_M: f64 = 0.1;
 /// How long a driver takes to begin to brake, seconds.
@@ -273,6 +275,18 @@ impl Mover {
         }
     }
 
+    /// How fast the worker may move now who was seen to move at `seen_mps`, metres per second. That speed is a mean over
+    /// the last moments, during which a vehicle may have gathered more.
+    pub fn moves_mps(&self, seen_mps: f64, sigma_m: f64) -> f64 {
+        match self {
+            Mover::OnFoot => WALK_MPS,
+            Mover::Vehicle(v) => {
+                let gained = metres(v.accel_mmps2) * measured_over_s(sigma_m) / 2.0;
+                (seen_mps + MEASURED_MPS + gained).min(metres(v.top_mmps))
+            }
+        }
+    }
+
     /// How far a worker may have come who has been unseen for this long, and moved at `seen_mps` before, metres.
     pub fn unseen_m(&self, seen_mps: f64, silent: Span) -> f64 {
         let (t, straight) = (silent.as_secs_f64(), STRAIGHT.as_secs_f64());
@@ -323,6 +337,11 @@ impl Mover {
     pub fn pace(&self) -> f64 {
         (self.assumed_mps() / WALK_MPS).max(1.0)
     }
+}
+
+/// Over how many seconds the velocity of a worker is measured: the less exact the source, the longer.
+pub(super) fn measured_over_s(accuracy_m: f64) -> f64 {
+    (0.4 + 4.0 * accuracy_m).clamp(0.4, 1.5)
 }
 
 fn metres(mm: i64) -> f64 {

@@ -6,7 +6,7 @@
 //! Marks on one line leave two places open until the map or another source rules one of them out. Refuses: to compare
 //! sources with one another, which the track does.
 
-use super::mover::Mover;
+use super::mover::{Mover, measured_over_s};
 use super::sighting::{Quality, Sighting};
 use super::track::{Presence, Whereabouts};
 use giveway_floor::geometry::{Point, Vector};
@@ -329,7 +329,7 @@ impl SourceTrack {
     /// Mean velocity over the recent past: the less exact the source, the longer the interval.
     fn velocity(&self) -> Vector {
         let (Some(last), Some((t, at))) = (&self.newest, self.memory.back()) else { return Vector::zeros() };
-        let span = Span::from_secs_f64((0.4 + 4.0 * last.accuracy_m).clamp(0.4, 1.5));
+        let span = Span::from_secs_f64(measured_over_s(last.accuracy_m));
         let old = self.memory.iter().rev().find(|(s, _)| *t - *s >= span).or(self.memory.front());
         match old {
             Some((s, from)) if *t - *s >= Span::from_millis(150) => (at - from) / (*t - *s).as_secs_f64(),
