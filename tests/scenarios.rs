@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 22] = [
+const RUNS: [(&str, i64); 23] = [
     ("first", 300),
     ("lab", 300),
     ("thesis-20", 300),
@@ -28,6 +28,7 @@ const RUNS: [(&str, i64); 22] = [
     ("people-3", 300),
     ("people-5", 300),
     ("people-20", 60),
+    ("forklift", 240),
     ("closure", 1500),
     ("all-jobs", 1800),
     ("permutations", 1800),
@@ -205,6 +206,26 @@ fn robots_and_five_workers_keep_their_laws() {
 #[test]
 fn two_hundred_robots_and_twenty_workers_keep_their_laws() {
     holds("people-20");
+}
+
+#[test]
+fn a_forklift_among_people_and_robots_keeps_the_laws() {
+    holds("forklift");
+}
+
+/// The driver obeys what people obey, and works as they do: nothing touches the vehicle, on whatever seed.
+#[test]
+fn nothing_touches_a_forklift_whose_driver_obeys() {
+    for seed in [1, 2, 3] {
+        let mut setup = Setup::read("forklift");
+        setup.scenario.seed = seed;
+        setup.scenario.duration = Span::from_secs(300);
+        setup.scenario.drain = Span::ZERO;
+        let outcome = setup.run();
+        assert_eq!(outcome.law_violations, 0, "seed {seed}: {}", outcome.broken.join("; "));
+        assert_eq!(outcome.people.figures.contacts, 0, "seed {seed}");
+        assert!(outcome.counts.human_deliveries > 0, "seed {seed}");
+    }
 }
 
 #[test]

@@ -145,7 +145,7 @@ impl Fleet {
             replans: Replans::default(),
             waits_ns: 0,
         };
-        fleet.people.remember(&fleet.writer.ledger().on_floor);
+        fleet.people.remember(fleet.writer.ledger());
         fleet.writer.cut_off_unlinked();
         // Before the first step, queries answer from the facts alone: paused robots are known, poses are not.
         fleet.note_waits(Time::ZERO);

@@ -97,6 +97,7 @@
 //! | footprint | the floor that a robot takes, with or without a rack | VDA 5050 |
 //! | job, dispatch, transport | what a customer wants; choosing robot, rack, station; from place to place | openTCS |
 //! | worker, assignment, observation | a person on the floor; that person's task; a pose and when it was seen | |
+//! | mover | what a worker moves as: on foot, or in a vehicle with a driver | |
 //! | deviation, intent, forecast | off the path; a distribution over goals; where, when, how probably | Petković 2021 |
 //! | zones: stop, keep-out, slow | regions 1, 2 and 3 around a person | Petković 2021, ISO 13855 |
 //! | yield, soft cost, no entry | a robot waits for or leaves the way of a person; a price; a closed window | |

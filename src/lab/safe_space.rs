@@ -6,8 +6,9 @@
 
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::{Span, Time, Window};
+use giveway_people::aware::Regions;
 use giveway_people::aware::safe_space::{Adaptation, Case, StoppingTimes, Zone};
-use giveway_people::aware::{BODY_M, Regions};
+use giveway_people::human::BODY_M;
 
 /// Speeds in the table, metres per second.
 pub const SPEEDS_MPS: [f64; 5] = [0.3, 0.5, 0.7, 1.0, 1.5];

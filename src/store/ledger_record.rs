@@ -10,7 +10,7 @@ use super::job_record::{
 };
 use super::line_record::LinesRecord;
 use super::people_record::{
-    AssignmentRecord, AssignmentStateRecord, ClosureRecord, LastPlaceRecord, RecurringRecord,
+    AssignmentRecord, AssignmentStateRecord, ClosureRecord, LastPlaceRecord, RecurringRecord, VehicleRecord,
 };
 use super::record::{is_usual_kind, is_usual_link, usual_kind, usual_link};
 use super::route_record::{StopRecord, VisitRecord};
@@ -145,6 +145,9 @@ struct LedgerRecord {
     workers: Vec<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     on_floor: Vec<(u32, LastPlaceRecord)>,
+    /// Workers who drive a vehicle.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    vehicles: Vec<(u32, VehicleRecord)>,
     assignments: Vec<(u64, PromiseRecord)>,
     next_assignment: u64,
     assignment_keys: KeysRecord,
@@ -209,6 +212,7 @@ impl From<&Parts> for LedgerRecord {
             served: p.served.iter().copied().collect(),
             workers: p.workers.iter().cloned().collect(),
             on_floor: p.on_floor.iter().map(|(w, place)| (w.0, (*place).into())).collect(),
+            vehicles: p.vehicles.iter().map(|(w, vehicle)| (w.0, (*vehicle).into())).collect(),
             assignments: p.assignments.iter().map(|(id, a)| (id.0, a.into())).collect(),
             next_assignment: p.next_assignment,
             assignment_keys: keys_record(&p.assignment_keys, |id| id.0),
@@ -248,6 +252,7 @@ impl From<LedgerRecord> for Parts {
             served: r.served.into(),
             workers: r.workers.into(),
             on_floor: r.on_floor.into_iter().map(|(w, place)| (WorkerId(w), place.into())).collect(),
+            vehicles: r.vehicles.into_iter().filter_map(|(w, v)| Some((WorkerId(w), v.vehicle()?))).collect(),
             assignments: r.assignments.into_iter().map(|(id, a)| (AssignmentId(id), a.into())).collect(),
             next_assignment: r.next_assignment,
             assignment_keys: keys(r.assignment_keys, AssignmentId),

@@ -9,6 +9,7 @@ use giveway_fleet::{
 use giveway_floor::geometry::Spot;
 use giveway_floor::id::{CustomerId, NodeId, RobotId, SeriesId, WorkerId};
 use giveway_floor::time::{Span, Time, Window};
+use giveway_people::human::{Mover, Vehicle};
 use serde::{Deserialize, Serialize};
 
 #[derive(Serialize, Deserialize)]
@@ -51,6 +52,51 @@ impl From<LastPlaceRecord> for LastPlace {
     fn from(r: LastPlaceRecord) -> LastPlace {
         let at = Spot { x_mm: r.at.0, y_mm: r.at.1 };
         LastPlace { at, seen: Time(r.seen), within_mm: r.within }
+    }
+}
+
+/// A vehicle with a driver: millimetres and seconds.
+#[derive(Serialize, Deserialize)]
+pub(super) struct VehicleRecord {
+    pub length: i64,
+    pub width: i64,
+    pub behind: i64,
+    pub top: i64,
+    pub accel: i64,
+    pub brake: i64,
+}
+
+/// What a worker moves as; nothing on foot.
+#[derive(Serialize, Deserialize)]
+pub(super) struct MoverRecord {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vehicle: Option<VehicleRecord>,
+}
+
+impl From<Vehicle> for VehicleRecord {
+    fn from(v: Vehicle) -> VehicleRecord {
+        let [length, width, behind, top, accel, brake] = v.whole_mm();
+        VehicleRecord { length, width, behind, top, accel, brake }
+    }
+}
+
+impl VehicleRecord {
+    /// The vehicle; nothing if the figures are none that a vehicle has, which were never written.
+    pub fn vehicle(&self) -> Option<Vehicle> {
+        Vehicle::of_whole_mm([self.length, self.width, self.behind, self.top, self.accel, self.brake])
+    }
+}
+
+impl From<Mover> for MoverRecord {
+    fn from(mover: Mover) -> MoverRecord {
+        let vehicle = if let Mover::Vehicle(v) = mover { Some(v.into()) } else { None };
+        MoverRecord { vehicle }
+    }
+}
+
+impl From<MoverRecord> for Mover {
+    fn from(r: MoverRecord) -> Mover {
+        r.vehicle.and_then(|v| v.vehicle()).map_or(Mover::OnFoot, Mover::Vehicle)
     }
 }
 

@@ -15,6 +15,7 @@ use giveway_floor::id::{
     AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
 use giveway_floor::time::Time;
+use giveway_people::human::Mover;
 use serde::{Deserialize, Serialize};
 
 /// The version that this program writes. It reads all versions from `OLDEST` to this one.
@@ -202,6 +203,7 @@ records! {
             by: Option<String>,
             at: Time
         }
+        MovesAs = Worker(WorkerFact::Moves) { worker: WorkerId, mover: Mover, at: Time }
 
         Assigned = Assignment(AssignmentFact::Assigned) {
             assignment: AssignmentId,

@@ -7,8 +7,8 @@ use super::job_record::{ChoiceRecord, KindRecord, RequestRecord, StateRecord, Ta
 use super::line_record::LineChangeRecord;
 use super::note_record::NoteRecord;
 use super::people_record::{
-    AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, LastPlaceRecord, ReactionRecord,
-    RecurringRecord,
+    AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, LastPlaceRecord, MoverRecord,
+    ReactionRecord, RecurringRecord,
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
 use giveway_cell::LineChange;
@@ -20,6 +20,7 @@ use giveway_floor::id::{
     AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
 use giveway_floor::time::Time;
+use giveway_people::human::Mover;
 
 /// A value that has a form in the journal.
 pub(super) trait Written: Sized {
@@ -96,6 +97,7 @@ as_records!(
     LastPlace: LastPlaceRecord = |it| (*it).into(),
     LineChange: LineChangeRecord = |it| (*it).into(),
     Moved: MovedRecord = |it| it.into(),
+    Mover: MoverRecord = |it| (*it).into(),
     Reaction: ReactionRecord = |it| (*it).into(),
     RecurringClosure: RecurringRecord = |it| it.into(),
     RobotChoice: ChoiceRecord = |it| (*it).into(),

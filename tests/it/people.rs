@@ -439,3 +439,44 @@ async fn an_evacuation_lasts_over_a_restart_until_it_is_ended() {
     once(at, "/v1/evacuation", |e| e["since"].is_null()).await;
     server.stop().await.unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_forklift_is_registered_changed_and_known_after_a_restart() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let truck = json!({"length_m": 2.4, "width_m": 1.0, "behind_m": 1.0, "speed_mps": 3});
+    let made = post(at, "/v1/workers", &json!({"name": "driver-2", "vehicle": truck})).await;
+    assert_eq!(made.status, 201, "{made:?}");
+    let vehicle = made.json()["vehicle"].clone();
+    let whole = json!({"length_m": 2.4, "width_m": 1.0, "behind_m": 1.0, "speed_mps": 3.0, "accel_mps2": 1.0,
+        "brake_mps2": 2.0});
+    assert_eq!(vehicle, whole);
+    assert_eq!(hire(at, "driver-2").await, "w1", "the same name is the same worker, still in the vehicle");
+    let anna = hire(at, "anna").await;
+    let path = format!("/v1/workers/{anna}");
+    let patch = async |body: Value| send(at, "PATCH", &path, &[JSON], &body.to_string()).await.unwrap();
+    let wrong =
+        patch(json!({"vehicle": {"length_m": 24, "width_m": 0.1, "speed_mps": 9}})).await.problem(422);
+    let fields: Vec<&str> =
+        wrong["errors"].as_array().unwrap().iter().map(|e| e["field"].as_str().unwrap()).collect();
+    assert_eq!(fields, ["vehicle.length_m", "vehicle.width_m", "vehicle.speed_mps"]);
+    patch(json!({})).await.problem(422);
+    patch(json!({"vehicle": {"length_m": 2}})).await.problem(422);
+    send(at, "PATCH", "/v1/workers/w9", &[JSON], r#"{"vehicle": null}"#).await.unwrap().problem(404);
+    let stacker = patch(json!({"vehicle": {"length_m": 1.9, "width_m": 0.8}})).await.json();
+    assert_eq!(stacker["vehicle"]["speed_mps"], 4.0, "nobody said that it is slower");
+    assert_eq!(patch(json!({"vehicle": null})).await.json()["vehicle"], Value::Null);
+    server.stop().await.unwrap();
+
+    let server = start(&folder).await;
+    let at = server.address();
+    let vehicles = async || {
+        let list = get(at, "/v1/workers").await.json();
+        [0, 1].map(|i| list["items"][i]["vehicle"].clone())
+    };
+    let as_before = [whole, Value::Null];
+    let known = async || (vehicles().await == as_before).then_some(());
+    eventually("the vehicles are known again", known).await;
+    server.stop().await.unwrap();
+}

@@ -29,6 +29,7 @@ export const robot = (id: string, more: Partial<Robot> = {}): Robot => ({
 export const worker = (id: string, more: Partial<Worker> = {}): Worker => ({
   id,
   name: id,
+  vehicle: null,
   presence: 'tracked',
   x: 0,
   y: 0,

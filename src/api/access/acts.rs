@@ -82,6 +82,8 @@ acts! {
     FinishTask "finish_task": "POST /v1/assignments/{id}/done" | "done, over the feed",
     /// A person is registered.
     RegisterWorker "register_worker": "POST /v1/workers",
+    /// A person gets into a vehicle or off it.
+    ChangeWorker "change_worker": "PATCH /v1/workers/{id}",
     /// A supervisor confirms that a lost person is not there.
     ClearWorker "clear_worker": "POST /v1/workers/{id}/clear",
     /// A supervisor reports roughly where a lost person is.

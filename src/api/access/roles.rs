@@ -105,6 +105,7 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/workers", Known),
     ("POST", "/v1/workers", Enrol),
     ("GET", "/v1/workers/{id}", ReadOwn),
+    ("PATCH", "/v1/workers/{id}", Change),
     ("POST", "/v1/workers/{id}/clear", OperateOwn),
     ("POST", "/v1/workers/{id}/narrow", Operate),
     ("GET", "/v1/workers/{id}/feed", Own),

@@ -16,5 +16,6 @@ pub mod people;
 pub mod refusal;
 pub mod replans;
 pub mod shift;
+pub mod vehicle;
 pub mod waits;
 pub mod whys;

@@ -4,6 +4,7 @@
 //! "w1", assignments "a1", closures "c1". Refuses: to add knowledge of its own.
 
 use super::guidance::{line, reason};
+use super::vehicle::VehicleDto;
 use crate::dto::names::Names;
 use crate::wire::sentence::SentenceSchema;
 use crate::wire::text::{
@@ -33,9 +34,11 @@ pub struct WorkerDto {
     /// The name under which the worker was registered, for callers who may see names (docs/secure.md); for others, and
     /// in all feeds, a pseudonym such as `worker-3f2a`.
     pub name: String,
+    /// The vehicle that the worker drives; null on foot.
+    pub vehicle: Option<VehicleDto>,
     /// Whether the worker is on the floor, and how well the position is known.
     pub presence: PresenceDto,
-    /// Position x, metres; null if the worker has not been seen.
+    /// Position x of the worker, or of the tag on the vehicle, metres; null if the worker has not been seen.
     pub x: Option<f64>,
     /// Position y, metres; null if the worker has not been seen.
     pub y: Option<f64>,
@@ -43,7 +46,7 @@ pub struct WorkerDto {
     pub heading: Option<f64>,
     /// When the worker was last seen, RFC 3339.
     pub seen: Option<String>,
-    /// Walking speed, metres per second.
+    /// Speed, metres per second.
     pub speed: f64,
     /// One standard deviation of the position, metres; it grows while no pose arrives.
     pub accuracy: f64,
@@ -340,6 +343,7 @@ impl Names<'_> {
         WorkerDto {
             id: worker_name(id),
             name: w.name.clone(),
+            vehicle: VehicleDto::of(&w.mover),
             presence: w.presence.into(),
             x: w.pose.map(|p| round3(p.at.x)),
             y: w.pose.map(|p| round3(p.at.y)),
@@ -377,6 +381,7 @@ impl Names<'_> {
         WorkerDto {
             id: worker_name(id),
             name,
+            vehicle: None,
             presence: PresenceDto::Absent,
             x: None,
             y: None,

@@ -175,7 +175,7 @@ fn routes() -> OpenApiRouter<Api> {
         .merge(fleet_routes())
         .merge(station_routes())
         .routes(routes!(people::workers::list, people::workers::hire))
-        .routes(routes!(people::workers::get))
+        .routes(routes!(people::workers::get, people::workers::change))
         .routes(routes!(people::pseudonyms::list))
         .routes(routes!(people::pseudonyms::erase))
         .routes(routes!(people::lost::clear))

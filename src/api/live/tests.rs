@@ -46,6 +46,7 @@ fn robot(name: &str, x: f64) -> RobotView {
 fn anna() -> WorkerView {
     WorkerView {
         name: "Anna".into(),
+        mover: Default::default(),
         presence: Presence::Absent,
         pose: None,
         seen: None,

@@ -46,6 +46,7 @@ fn robot(at: usize, why: Option<Why>) -> RobotView {
 fn worker(presence: Presence) -> WorkerView {
     WorkerView {
         name: "anna".into(),
+        mover: Default::default(),
         presence,
         pose: None,
         seen: None,

@@ -9,7 +9,7 @@ use giveway_floor::geometry::{Point, Segment};
 use giveway_floor::id::RobotId;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::walkway::{EdgeSet, Square, WalkPath, Walkways, WaysBetween};
-use giveway_people::aware::BODY_M;
+use giveway_people::human::Mover;
 use std::cell::OnceCell;
 
 /// Room between a robot and a person who walks along its side, metres.
@@ -33,6 +33,7 @@ pub struct WaysPast<'a> {
     walkways: &'a Walkways,
     floor: Floor<'a>,
     at: Point,
+    mover: Mover,
     cut: &'a EdgeSet,
     /// Where the person steps first.
     first: Option<Point>,
@@ -41,14 +42,39 @@ pub struct WaysPast<'a> {
 }
 
 impl HumanState {
+    /// Walkways on which the worker does not fit.
+    pub(crate) fn edges_too_narrow(&self, mover: Mover) -> EdgeSet {
+        self.walkways.edges_narrower_than(mover.clearance_m())
+    }
+
+    /// Besides, walkways beside robots that stand nearby: a vehicle does not get past them.
+    pub(super) fn edges_beside_robots(
+        &self,
+        floor: Floor<'_>,
+        (mover, at): (Mover, Point),
+        cut: &EdgeSet,
+    ) -> EdgeSet {
+        let mut cut = cut.clone();
+        let is_near =
+            |r: &RobotId| floor.stands(*r) && (floor.place_of(*r) - at).norm() < mover.far_m(BETWEEN_M);
+        for robot in floor.ledger.present().filter(is_near) {
+            let reach_m = floor.beside_m(robot, mover.half_width_m());
+            self.walkways.edges_within(floor.place_of(robot), reach_m).into_iter().for_each(|e| {
+                cut.insert(e);
+            });
+        }
+        cut
+    }
+
     /// Walkways that robots block for long, and those in areas that are closed to people.
     pub(super) fn edges_blocked_for_long(
         &self,
         floor: Floor<'_>,
         yielding: &YieldingState,
+        mover: Mover,
         now: Time,
     ) -> EdgeSet {
-        let mut cut = self.edges_robots_block(floor, yielding, now);
+        let mut cut = self.edges_robots_block(floor, yielding, mover, now);
         self.barred.cut_shut(&self.walkways, &mut cut, now);
         cut
     }
@@ -60,16 +86,17 @@ impl HumanState {
         &self,
         floor: Floor<'_>,
         yielding: &YieldingState,
+        mover: Mover,
         now: Time,
     ) -> EdgeSet {
-        let mut cut = self.walkways.no_edges();
+        let mut cut = self.edges_too_narrow(mover);
         for robot in floor.ledger.present() {
             let chain = floor.ledger.chain(robot);
             let rests = chain.first() + 1 == chain.end();
             let stays = yielding.of(robot).waited(now) > STANDS && floor.stands(robot);
             if rests || stays || floor.ledger.robots[robot].failed {
                 let at = floor.place_of(robot);
-                for e in self.walkways.edges_within(at, floor.beside_m(robot, 0.2)) {
+                for e in self.walkways.edges_within(at, floor.beside_m(robot, mover.squeezes_m())) {
                     cut.insert(e);
                 }
             }
@@ -80,9 +107,14 @@ impl HumanState {
 
 impl<'a> WaysPast<'a> {
     /// Ways from a place, with these edges of the walkways cut.
-    pub fn new(people: &'a HumanState, floor: Floor<'a>, at: Point, cut: &'a EdgeSet) -> WaysPast<'a> {
+    pub fn new(
+        people: &'a HumanState,
+        floor: Floor<'a>,
+        (mover, at): (Mover, Point),
+        cut: &'a EdgeSet,
+    ) -> WaysPast<'a> {
         let (steps, between) = (OnceCell::new(), OnceCell::new());
-        WaysPast { walkways: &people.walkways, floor, at, cut, first: None, steps, between }
+        WaysPast { walkways: &people.walkways, floor, at, mover, cut, first: None, steps, between }
     }
 
     /// Ways that begin at one side of a robot after the other, for a person who has been kept there for long: a person
@@ -112,7 +144,7 @@ impl<'a> WaysPast<'a> {
     }
 
     /// A way to a place: on walkways that are not cut, else after one straight step past the robots, else along the
-    /// sides of robots that stand.
+    /// sides of robots that stand. Vehicles keep to the walkways.
     pub fn to(&self, goal: Point) -> Option<Vec<Point>> {
         let on = |p: Point| self.walkways.path(p, goal, self.cut);
         if let Some(way) = self.first.and_then(on) {
@@ -120,6 +152,9 @@ impl<'a> WaysPast<'a> {
         }
         if let Some(way) = on(self.at) {
             return Some(way.points);
+        }
+        if self.mover != Mover::OnFoot {
+            return None;
         }
         let steps = self.steps.get_or_init(|| self.steps());
         let ways = steps.iter().filter_map(|p| Some(((p - self.at).norm(), on(*p)?)));
@@ -137,8 +172,9 @@ impl<'a> WaysPast<'a> {
     /// Where one straight step leads, if it comes near no robot except one that it leads away from.
     fn steps(&self) -> Vec<Point> {
         let robots = self.floor.ledger.present();
-        let robots: Vec<_> =
-            robots.map(|r| (self.floor.place_of(r), self.floor.beside_m(r, BODY_M))).collect();
+        let robots: Vec<_> = robots
+            .map(|r| (self.floor.place_of(r), self.floor.beside_m(r, self.mover.half_width_m())))
+            .collect();
         let is_clear = |to: &Point| {
             let step = Segment { a: self.at, b: *to };
             let leaves = |r: &Point| (to - r).norm() > (self.at - r).norm() + 0.3;
@@ -150,9 +186,10 @@ impl<'a> WaysPast<'a> {
 
     /// The squares of floor taken by robots that stand nearby.
     fn standing(&self) -> impl Iterator<Item = Square> {
-        let floor = self.floor;
+        let (floor, half_width_m) = (self.floor, self.mover.half_width_m());
         let standing = floor.ledger.present().filter(move |r| floor.stands_near(*r, self.at));
-        standing.map(move |r| Square { at: floor.place_of(r), half_m: floor.beside_m(r, BODY_M) + ALONG_M })
+        standing
+            .map(move |r| Square { at: floor.place_of(r), half_m: floor.beside_m(r, half_width_m) + ALONG_M })
     }
 
     /// Ways between the robots that stand nearby, and the walkways that they lead to, the nearest first.

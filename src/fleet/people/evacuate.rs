@@ -11,7 +11,7 @@ use giveway_floor::id::WorkerId;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::NodeKind;
 use giveway_floor::warehouse::walkway::EdgeSet;
-use giveway_people::aware::BODY_M;
+use giveway_people::human::Mover;
 use giveway_people::human::Whereabouts;
 
 /// A person this near to a door is out, metres.
@@ -49,8 +49,11 @@ impl HumanState {
             return true;
         }
         // Robots that can drive leave the shortest way. A way through a closed area is better than none.
-        let cut = self.edges_closed_for_good(floor, now);
+        let mover = self.mover(worker);
+        let cut = self.edges_closed_for_good(floor, mover, now);
         let way = self.way_to_exit(floor, at, &cut);
+        let way = way.or_else(|| self.way_to_exit(floor, at, &self.edges_too_narrow(mover)));
+        // A driver whose vehicle cannot leave gets off and walks.
         let way = way.or_else(|| self.way_to_exit(floor, at, &self.walkways.no_edges()));
         self.people[worker].way_out = way.clone().unwrap_or_default();
         if is_led {
@@ -68,12 +71,12 @@ impl HumanState {
     }
 
     /// Walkways in closed areas, and walkways on which robots stand that cannot drive.
-    fn edges_closed_for_good(&self, floor: Floor<'_>, now: Time) -> EdgeSet {
-        let mut cut = self.walkways.no_edges();
+    fn edges_closed_for_good(&self, floor: Floor<'_>, mover: Mover, now: Time) -> EdgeSet {
+        let mut cut = self.edges_too_narrow(mover);
         self.barred.cut_shut(&self.walkways, &mut cut, now);
         for robot in floor.ledger.present().filter(|r| floor.ledger.robots[*r].failed) {
             let at = floor.place_of(robot);
-            for e in self.walkways.edges_within(at, floor.beside_m(robot, BODY_M)) {
+            for e in self.walkways.edges_within(at, floor.beside_m(robot, mover.half_width_m())) {
                 cut.insert(e);
             }
         }

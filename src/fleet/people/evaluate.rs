@@ -13,7 +13,7 @@ use giveway_floor::id::WorkerId;
 use giveway_floor::route::Conditions;
 use giveway_floor::time::{Span, Time};
 use giveway_people::aware::{Effects, HumanAwarePolicy};
-use giveway_people::human::{Band, Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
+use giveway_people::human::{Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
 
 /// A worker who has followed a new path for this far is on the path again, metres.
 const BACK_M: f64 = 1.0;
@@ -21,6 +21,9 @@ const BACK_M: f64 = 1.0;
 impl HumanState {
     /// Takes in what was heard of workers.
     pub(super) fn hear(&mut self, writer: &mut Writer, heard: &[WorkerInput], now: Time) {
+        for worker in self.people.ids() {
+            self.people[worker].track.move_as(writer.ledger().mover(worker));
+        }
         for heard in heard {
             match heard {
                 WorkerInput::Seen(sighting) => self.sight(writer.floor(), sighting, now),
@@ -35,6 +38,7 @@ impl HumanState {
     fn sight(&mut self, floor: Floor<'_>, s: &Sighting, now: Time) {
         let is_on_map = floor.is_on_map();
         let person = self.person(s.worker);
+        person.track.move_as(floor.ledger.mover(s.worker));
         let taken = person.track.see(s, now, is_on_map);
         match taken {
             SightingOutcome::Ignored | SightingOutcome::Noted => return,
@@ -164,12 +168,12 @@ impl HumanState {
             match person.occupied.nodes.get(set) {
                 Some(nodes) => effects.occupied(conditions, worker, nodes),
                 None => {
-                    let band = Band::around(place.velocity.norm());
-                    effects.forecast(conditions, worker, &person.ways, band);
+                    let band = place.mover.band(place.velocity.norm());
+                    effects.forecast(conditions, (worker, place.mover), &person.ways, band);
                 }
             }
             if !self.coverage.is_trusted() {
-                effects.reachable(conditions, worker, place.at);
+                effects.reachable(conditions, worker, place);
             }
         } else if let WalkMode::Stopped { since } = person.mode {
             // A worker who was told to stop stands, and does not walk the path that was given before.
@@ -177,7 +181,7 @@ impl HumanState {
         } else if let Some(path) = person.rest_of_path(place.at) {
             let stay = person.plan.as_ref().map(|p| p.stay);
             let path = Hypothesis { probability: 1.0, path, stay };
-            effects.plan(conditions, worker, &path, Band::ANY);
+            effects.plan(conditions, (worker, place.mover), &path, place.mover.any_band());
         }
     }
 

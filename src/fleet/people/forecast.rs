@@ -11,7 +11,7 @@ use giveway_floor::time::{Span, Time};
 use giveway_people::aware::{HumanAwarePolicy, NodeWindows, Regions, Stay, occupancies};
 use giveway_people::human::motion::{Fix, Motion};
 use giveway_people::human::{
-    Band, Forecast, Hypothesis, Mixture, Model, Presence, Quality, Sighting, SightingOutcome, WATCHED_S,
+    Forecast, Hypothesis, Mixture, Model, Presence, Quality, Sighting, SightingOutcome, WATCHED_S,
     Whereabouts,
 };
 
@@ -104,17 +104,18 @@ impl HumanState {
         if !is_due {
             return;
         }
-        let band = Band::around(place.velocity.norm());
+        let (mover, band) = (place.mover, place.mover.band(place.velocity.norm()));
         let stay = |h: &Hypothesis| {
             let (at, window) = (*h.path.last()?, h.stays(band, now)?);
             Some(Stay { at, window, probability: h.probability })
         };
         let stays: Vec<Stay> = person.ways.iter().filter_map(stay).collect();
         let warehouse = floor.warehouse();
-        let on_foot = self.afoot.nodes_within(warehouse, place.at, FORESEEN_M);
+        let on_foot = self.afoot.nodes_within(warehouse, place.at, mover.far_m(FORESEEN_M));
         let nodes = |regions: &Regions| {
             let at = |t| self.forecast(floor, worker, t);
-            occupancies(warehouse, regions.beside_m(), &on_foot, &stays, now, at)
+            let beside_m = regions.for_mover(mover).beside_m();
+            occupancies(warehouse, (mover, beside_m), &on_foot, &stays, now, at)
         };
         let nodes = floor.regions.all().iter().map(nodes).collect();
         let made = Some((now, person.mode, person.version));
@@ -133,6 +134,8 @@ impl HumanState {
     pub(crate) fn forecast(&self, floor: Floor<'_>, worker: WorkerId, t: Time) -> Option<Mixture> {
         let forecast = self.forecast_of(floor, worker)?;
         let ahead_s = (t - forecast.motion.seen()?).max(Span::ZERO).as_secs_f64();
-        Some(forecast.at(t)?.scaled(self.coverage.scale(ahead_s)))
+        // The errors were learned from people on foot; those of a vehicle are as many times larger as it is faster.
+        let pace = self.people.get(worker)?.track.mover().pace();
+        Some(forecast.at(t)?.scaled(self.coverage.scale(ahead_s) * pace))
     }
 }

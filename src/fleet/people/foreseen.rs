@@ -7,7 +7,7 @@ use crate::state::floor::Floor;
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::id::WorkerId;
 use giveway_floor::time::{Span, Time};
-use giveway_people::human::{Mixture, Presence};
+use giveway_people::human::{Mixture, Mover, Presence};
 use giveway_people::local::{AHEAD_STEP_S, AHEAD_STEPS, NearPerson};
 
 /// One person near a place, as the fleet believes.
@@ -19,6 +19,8 @@ pub struct ForeseenPerson {
     pub at: Point,
     /// How the person moves, metres per second.
     pub velocity: Vector,
+    /// What the person moves as.
+    pub mover: Mover,
     /// Where the person will be [`AHEAD_STEP_S`] from now, twice that, and so on; nothing for a person who is not seen.
     pub ahead: Vec<Mixture>,
     /// Whether the person is seen now, and in one place.
@@ -57,7 +59,7 @@ impl HumanState {
             let moments = if is_seen { AHEAD_STEPS } else { 0 };
             let forecast = |k: usize| self.forecast(floor, worker, now + step * k as i64);
             let ahead = (1..=moments).map_while(forecast).collect();
-            ForeseenPerson { worker, at: w.at, velocity: w.velocity, ahead, is_seen }
+            ForeseenPerson { worker, at: w.at, velocity: w.velocity, mover: w.mover, ahead, is_seen }
         };
         near.into_iter().map(person).collect()
     }

@@ -20,8 +20,6 @@ const NEAR_MOST: usize = 8;
 const DRIVES_MPS: f64 = 0.1;
 /// Guidance is repeated this often.
 const REPEAT: Span = Span::from_millis(200);
-/// Usual walking speed, for the time of arrival, metres per second.
-const USUAL_MPS: f64 = 1.2;
 
 impl HumanState {
     /// The guidance that workers get now: where it changed, or is due again. Marks what was seen of them in this step
@@ -74,7 +72,7 @@ impl HumanState {
             reason,
             version: person.version,
             next: path.first().copied(),
-            eta: (!path.is_empty()).then(|| now + Span::from_secs_f64(length / USUAL_MPS)),
+            eta: (!path.is_empty()).then(|| now + Span::from_secs_f64(length / place.mover.usual_mps())),
             path,
             wait: person.waits().map(|w| w.until).or_else(|| person.message.and_then(Message::waits_on)),
             assignment: plan.and_then(|p| p.assignment),
@@ -155,7 +153,8 @@ impl HumanState {
     pub(crate) fn drives_up(&self, floor: Floor<'_>, robot: RobotId, place: &Whereabouts) -> bool {
         let Some(seen) = floor.scene.robot(robot).filter(|t| t.speed_mps > DRIVES_MPS) else { return false };
         let loaded = floor.ledger.rack_on(robot).is_some();
-        let radius_m = floor.regions(robot).stop_radius_at_m(seen.speed_mps, loaded, place.sigma_m);
+        let radius_m =
+            floor.regions(robot).towards(place).stop_radius_at_m(seen.speed_mps, loaded, place.sigma_m);
         let to = place.at - seen.pose.at;
         let along = Vector::new(seen.pose.heading.cos(), seen.pose.heading.sin());
         to.norm() < radius_m && along.dot(&to) > 0.0

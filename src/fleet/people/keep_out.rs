@@ -66,8 +66,9 @@ impl HumanState {
             .filter(|(_, p)| self.barred.around(*p, now).is_none())
             .collect();
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let cut = self.edges_robots_block(floor, yielding, now);
-        let free = self.walkways.no_edges();
+        let mover = self.mover(worker);
+        let cut = self.edges_robots_block(floor, yielding, mover, now);
+        let free = self.edges_too_narrow(mover);
         let to = |p: Point, cut| self.walkways.path(at, p, cut).map(|way| way.points);
         let nearest = places.first().map(|(_, p)| *p);
         let past_robots = || places.iter().take(4).find_map(|(_, p)| to(*p, &cut));

@@ -6,6 +6,7 @@
 use crate::people::state::HumanState;
 use crate::state::fact::WorkerFact;
 use crate::state::floor::Floor;
+use crate::state::ledger::Ledger;
 use crate::state::worker::LastPlace;
 use crate::state::writer::Writer;
 use giveway_floor::geometry::Point;
@@ -13,7 +14,6 @@ use giveway_floor::id::WorkerId;
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
 use giveway_people::human::{LastKnown, Presence};
-use std::collections::BTreeMap;
 
 /// A worker who is seen is noted again after this many metres, a lost worker after the second figure: after a restart
 /// the worker is looked for within eight metres.
@@ -30,8 +30,12 @@ impl From<&LastPlace> for LastKnown {
 
 impl HumanState {
     /// Takes over from the ledger which workers were on the floor. None has been seen since.
-    pub(crate) fn remember(&mut self, on_floor: &BTreeMap<WorkerId, LastPlace>) {
-        on_floor.iter().for_each(|(worker, place)| self.person(*worker).track.remember(place.into()));
+    pub(crate) fn remember(&mut self, ledger: &Ledger) {
+        for (worker, place) in &ledger.on_floor {
+            let track = &mut self.person(*worker).track;
+            track.move_as(ledger.mover(*worker));
+            track.remember(place.into());
+        }
     }
 
     /// Workers on the floor whose place is not known.

@@ -171,7 +171,7 @@ impl HumanState {
             return;
         }
         let ahead = floor.about_to_drive(robot);
-        let enough_m = floor.regions(robot).stop_radius_m(true, place.sigma_m) + ROOM_M;
+        let enough_m = floor.regions(robot).towards(&place).stop_radius_m(true, place.sigma_m) + ROOM_M;
         let is_aside = ahead.iter().all(|p| (p - place.at).norm() > enough_m);
         let reached = floor.ledger.chain(robot).first();
         let stage = match is_aside {
@@ -190,9 +190,10 @@ impl HumanState {
             self.people[worker].marks_asked = Some(now);
         }
         if stage == LetsPassStage::Walks {
-            let cut = self.edges_blocked_for_long(floor, yielding, now);
-            let ways = WaysPast::new(self, floor, place.at, &cut);
-            let Some(points) = self.place_aside(floor, &ahead, place.at, enough_m, &ways) else {
+            let body = (place.mover, place.at);
+            let cut = self.edges_blocked_for_long(floor, yielding, place.mover, now);
+            let ways = WaysPast::new(self, floor, body, &cut);
+            let Some(points) = self.place_aside(floor, &ahead, body, enough_m, &ways) else {
                 tracing::debug!(?worker, ?robot, enough_m, "there is no place aside");
                 return;
             };
@@ -251,7 +252,7 @@ impl Floor<'_> {
     fn has_passed(&self, lets_pass: &LetsPass, place: Option<&Whereabouts>, now: Time) -> bool {
         let robot = lets_pass.robot;
         let is_far = |w: &Whereabouts| {
-            let far_m = self.regions(robot).keep_out_radius_m(true, w.sigma_m);
+            let far_m = self.regions(robot).towards(w).keep_out_radius_m(true, w.sigma_m);
             self.about_to_drive(robot).iter().all(|p| (p - w.at).norm() > far_m)
         };
         let has_left = self.ledger.chain(robot).first() > lets_pass.reached && place.is_none_or(is_far);

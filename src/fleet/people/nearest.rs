@@ -10,7 +10,7 @@ use crate::state::writer::Writer;
 use giveway_floor::geometry::Point;
 use giveway_floor::id::WorkerId;
 use giveway_floor::time::Time;
-use giveway_people::human::Presence;
+use giveway_people::human::{Mover, Presence};
 
 /// How many ways are measured in a step at most; the rest is left to the next step.
 const WAYS_MAX: usize = 64;
@@ -32,8 +32,10 @@ impl HumanState {
             }
             let place = writer.ledger().assignments[&assignment].request.place;
             let goal = writer.warehouse().nodes[place].at;
-            let ways_there =
-                free.iter().enumerate().filter_map(|(i, (_, at))| Some((self.far(*at, goal)?, i)));
+            let ways_there = free
+                .iter()
+                .enumerate()
+                .filter_map(|(i, (worker, at))| Some((self.far(*worker, *at, goal)?, i)));
             // Workers are in order, and the first of equal ways is taken.
             let Some((_, nearest)) = ways_there.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
             let (worker, _) = free.remove(nearest);
@@ -43,10 +45,16 @@ impl HumanState {
 
     /// The length of the way on foot, metres. A worker who seems to be where no one can stand starts from the nearest
     /// walkway.
-    fn far(&self, at: Point, goal: Point) -> Option<f64> {
-        let way = self.walkways.path(at, goal, &self.walkways.no_edges()).map(|way| way.length_m);
+    fn far(&self, worker: WorkerId, at: Point, goal: Point) -> Option<f64> {
+        let mover = self.mover(worker);
+        // A vehicle does not get everywhere where people do.
+        let goal = match mover {
+            Mover::OnFoot => goal,
+            Mover::Vehicle(_) => self.walkways.stand_near(goal, mover.clearance_m())?,
+        };
+        let way = self.walkways.path(at, goal, &self.edges_too_narrow(mover)).map(|way| way.length_m);
         let length = |points: Vec<Point>| points.windows(2).map(|p| (p[1] - p[0]).norm()).sum();
-        way.or_else(|| self.way_from_beside(at, goal).map(length))
+        way.or_else(|| self.way_from_beside((mover, at), goal).map(length))
     }
 
     /// Workers who are seen and have nothing to do, with where they are.

@@ -15,11 +15,9 @@ use giveway_floor::geometry::{Point, Segment};
 use giveway_floor::id::{ClosureId, RobotId, WorkerId};
 use giveway_floor::time::{Span, Time, Window};
 use giveway_floor::warehouse::walkway::{EdgeSet, Occupied, TimedPath};
-use giveway_people::aware::{BODY_M, HumanAwarePolicy, SLOW_MPS};
-use giveway_people::human::{Presence, Whereabouts};
+use giveway_people::aware::{HumanAwarePolicy, SLOW_MPS};
+use giveway_people::human::{BODY_M, Presence, Whereabouts};
 
-/// How fast workers are assumed to walk to their tasks, metres per second.
-const WALKS_MPS: f64 = 1.2;
 /// Robots farther from a worker than this do not count, metres: what they do changes before the worker is there.
 const FAR_M: f64 = 12.0;
 /// How many labels one search may look at.
@@ -32,7 +30,8 @@ const ABOUT: Span = Span::from_millis(300);
 const BESIDE_M: f64 = 0.05;
 /// Another way is shown only if it gets there this much earlier: a worker who is led to and fro gets nowhere.
 const BETTER: Span = Span::from_secs(3);
-/// A worker waits if a robot takes the way no farther ahead than this, metres …
+/// A worker waits if a robot takes the way no farther ahead than this, metres; a driver, who needs room to stop, from
+/// farther away …
 const AHEAD_M: f64 = 1.5;
 /// … for longer than this: a shorter wait is no more than walking slowly.
 const LEAST: Span = Span::from_millis(800);
@@ -67,7 +66,8 @@ impl HumanState {
             return None;
         }
         let occupied = self.occupied(floor, worker, at, now);
-        let way = self.walkways.timed_path((at, goal), cut, &occupied, (now, WALKS_MPS), LABELS)?;
+        let usual_mps = self.mover(worker).usual_mps();
+        let way = self.walkways.timed_path((at, goal), cut, &occupied, (now, usual_mps), LABELS)?;
         Some((way.points, None))
     }
 
@@ -99,16 +99,19 @@ impl HumanState {
         let (goal, assignment, stay) = (plan.follower.goal(), plan.assignment, plan.stay);
         let path = person.rest_of_path(place.at).expect("there is a plan");
         let occupied = self.occupied(floor, worker, place.at, now);
-        let along = self.walkways.time_along(&path, &occupied, (now, WALKS_MPS));
-        let cut = self.edges_blocked_for_long(floor, yielding, now);
-        let best = self.walkways.timed_path((place.at, goal), &cut, &occupied, (now, WALKS_MPS), LABELS);
+        let (mover, usual_mps) = (place.mover, place.mover.usual_mps());
+        let along = self.walkways.time_along(&path, &occupied, (now, usual_mps));
+        let cut = self.edges_blocked_for_long(floor, yielding, mover, now);
+        let best = self.walkways.timed_path((place.at, goal), &cut, &occupied, (now, usual_mps), LABELS);
         let other = match (&along, best) {
             (Some(a), Some(b)) => Some(b).filter(|b| b.arrival() + BETTER < a.arrival()),
             (None, best) => best,
             (Some(_), None) => None,
         };
         let other = other.filter(|way| self.barred.met(&way.points, now).is_none());
-        let first_wait = other.as_ref().or(along.as_ref()).and_then(|way| first_wait(way, now));
+        let ahead_m = AHEAD_M + mover.stops_m(place.velocity.norm()) + mover.body_m() - BODY_M;
+        let pace = WaitPace { ahead_m, usual_mps };
+        let first_wait = other.as_ref().or(along.as_ref()).and_then(|way| first_wait(way, pace, now));
         let person = &mut self.people[worker];
         person.on_time_at = Some(now);
         if let Some(other) = other {
@@ -148,9 +151,10 @@ impl HumanState {
 
     /// Which points of the walkways robots near a worker take, and when, as far as they were granted it.
     fn occupied(&self, floor: Floor<'_>, worker: WorkerId, at: Point, now: Time) -> Occupied {
-        let mut occupied = Occupied::default();
-        for robot in floor.ledger.present().filter(|r| (floor.place_of(*r) - at).norm() <= FAR_M) {
-            let reach = floor.beside_m(robot, BODY_M) + BESIDE_M;
+        let (mut occupied, mover) = (Occupied::default(), self.mover(worker));
+        let far_m = mover.far_m(FAR_M);
+        for robot in floor.ledger.present().filter(|r| (floor.place_of(*r) - at).norm() <= far_m) {
+            let reach = floor.beside_m(robot, mover.half_width_m()) + BESIDE_M;
             let mut take = |p: Point, window: Window| {
                 self.walkways.around(p, reach).for_each(|n| occupied.add(n, window, robot));
             };
@@ -176,15 +180,15 @@ impl HumanState {
         if !waits || floor.scene.fit(robot, now).is_none() || floor.is_halted(robot) {
             return None;
         }
-        let sigma_m = self.whereabouts(worker, now)?.sigma_m;
+        let place = self.whereabouts(worker, now)?;
         let (way, length_m) = self.until_clear(floor, robot, (worker, at))?;
-        let near_m = floor.regions(robot).stop_radius_m(true, sigma_m);
+        let near_m = floor.regions(robot).towards(&place).stop_radius_m(true, place.sigma_m);
         if way.iter().any(|p| (p - at).norm() <= near_m) {
             return None;
         }
         let takes = SETS_OFF + Span::from_secs_f64(length_m / SLOW_MPS);
         // A robot that was told to stand waits until the worker has walked past.
-        let passes = Span::from_secs_f64(WAY_M / WALKS_MPS);
+        let passes = Span::from_secs_f64(WAY_M / place.mover.usual_mps());
         let kept = floor.waits_until(robot, now).map_or(passes, |t| (t - now).clamp(passes, KEPT_AT_MOST));
         let behind = Edge::On(Party::Robot(robot));
         let robots = 1 + floor.waits.parties().filter(|(_, wait)| wait.edge == behind).count();
@@ -207,7 +211,7 @@ impl HumanState {
             left + s.length() > 0.0
         });
         let near: Vec<Segment> = near.collect();
-        let reach = floor.beside_m(robot, BODY_M) + BESIDE_M;
+        let reach = floor.beside_m(robot, self.mover(worker).half_width_m()) + BESIDE_M;
         let is_on = |p: &Point| near.iter().any(|s| s.distance_to(*p) < reach);
         let ahead = floor.ledger.chain(robot).visits().skip(1).map(|v| floor.warehouse().nodes[v.node].at);
         let mut way = vec![floor.place_of(robot)];
@@ -253,15 +257,22 @@ impl Floor<'_> {
     }
 }
 
+/// How far ahead on a way a wait counts, metres, and how fast the worker comes there, metres per second.
+#[derive(Clone, Copy)]
+struct WaitPace {
+    ahead_m: f64,
+    usual_mps: f64,
+}
+
 /// The robot for which the worker waits on the first metres of a way, and until when.
-fn first_wait(way: &TimedPath, now: Time) -> Option<(RobotId, Time)> {
+fn first_wait(way: &TimedPath, pace: WaitPace, now: Time) -> Option<(RobotId, Time)> {
     let mut walked = 0.0;
     for i in 1..way.points.len() {
-        if walked >= AHEAD_M {
+        if walked >= pace.ahead_m {
             return None;
         }
         let length = (way.points[i] - way.points[i - 1]).norm();
-        let sets_off = way.arrivals[i] - Span::from_secs_f64(length / WALKS_MPS);
+        let sets_off = way.arrivals[i] - Span::from_secs_f64(length / pace.usual_mps);
         if let Some(robot) = way.waits_for[i].filter(|_| sets_off - way.arrivals[i - 1] > LEAST) {
             return Some((robot, sets_off.max(now + LEAST)));
         }

@@ -14,8 +14,8 @@ use giveway_floor::id::{NodeId, RobotId, WorkerId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::NodeKind;
 use giveway_floor::warehouse::walkway::EdgeSet;
-use giveway_people::aware::{BODY_M, HumanAwarePolicy};
-use giveway_people::human::Whereabouts;
+use giveway_people::aware::HumanAwarePolicy;
+use giveway_people::human::{BODY_M, Mover, Whereabouts};
 
 /// A worker off the path is shown a new one this often.
 pub(crate) const REDIRECT: Span = Span::from_secs(1);
@@ -98,18 +98,22 @@ impl HumanState {
             return;
         };
         let request = &floor.ledger.assignments[&id].request;
-        let (goal, stay) = (floor.warehouse().nodes[request.place].at, request.stay);
-        let cut = self.edges_robots_block(floor, yielding, now);
-        let free = self.walkways.no_edges();
+        let (place, stay) = (floor.warehouse().nodes[request.place].at, request.stay);
+        let mover = self.mover(worker);
+        let stand = self.walkways.stand_near(place, mover.clearance_m());
+        // People are led to the node itself, and then to the floor beside it; vehicles to where they fit.
+        let goal = if mover == Mover::OnFoot { place } else { stand.unwrap_or(place) };
+        let cut = self.edges_robots_block(floor, yielding, mover, now);
+        let free = self.edges_too_narrow(mover);
         let way = |cut| self.barred.way_round(&self.walkways, (at, goal), cut, now);
-        let beside = || self.way_from_beside(at, goal).map(|points| (points, None));
+        let beside = || self.way_from_beside((mover, at), goal).map(|points| (points, None));
         let on_time = self.route_on_time(floor, (worker, at), goal, &cut, now);
         let way = on_time.or_else(|| way(&cut)).or_else(|| way(&free)).or_else(beside);
         let person = &mut self.people[worker];
         person.looks_again = None;
         match way {
             Some((mut points, round)) => {
-                self.walkways.on_floor(goal).into_iter().for_each(|g| {
+                stand.into_iter().for_each(|g| {
                     *points.last_mut().expect("a way has two ends") = g;
                 });
                 person.give(points, Some(id), stay, now);
@@ -127,10 +131,10 @@ impl HumanState {
 
     /// The way of a worker who seems to be where no one can stand: from the nearest walkway. The headset is wrong by a
     /// few metres; told to stop there, its wearer would wait for ever.
-    pub(super) fn way_from_beside(&self, at: Point, goal: Point) -> Option<Vec<Point>> {
+    pub(super) fn way_from_beside(&self, (mover, at): (Mover, Point), goal: Point) -> Option<Vec<Point>> {
         let (node, distance_m) = self.walkways.nearest(at)?;
         let from = self.walkways.nodes()[node].at;
-        let free = self.walkways.no_edges();
+        let free = self.edges_too_narrow(mover);
         let way = (distance_m < BESIDE_M).then(|| self.walkways.path(from, goal, &free)).flatten()?;
         Some(std::iter::once(at).chain(way.points).collect())
     }
@@ -163,9 +167,10 @@ impl HumanState {
         }
         person.blocked_since = robot.map(|r| (r, now));
         let Some(goal) = person.plan.as_ref().map(|p| p.follower.goal()) else { return };
-        let mut cut = self.edges_blocked_for_long(floor, yielding, now);
+        let mover = place.mover;
+        let mut cut = self.edges_blocked_for_long(floor, yielding, mover, now);
         for r in floor.ledger.present().filter(|r| floor.stands_near(*r, place.at)) {
-            let reach = floor.beside_m(r, 0.2);
+            let reach = floor.beside_m(r, mover.squeezes_m());
             self.walkways.edges_within(floor.place_of(r), reach).into_iter().for_each(|e| {
                 cut.insert(e);
             });
@@ -174,7 +179,7 @@ impl HumanState {
         let is_stuck = robot.is_some_and(|r| yielding.stuck_with(r, now) == Some(worker));
         let refuge = || self.refuge(floor, worker, place.at, &cut);
         let kept = floor.waits.kept_in_one_spot(worker);
-        let way = || WaysPast::new(self, floor, place.at, &cut).by_sides(kept).to(goal);
+        let way = || WaysPast::new(self, floor, (mover, place.at), &cut).by_sides(kept).to(goal);
         let (way, refuge) = match is_stuck.then(refuge).flatten() {
             Some(points) => (None, Some(points)),
             None => way().map_or_else(|| (None, refuge()), |points| (Some(points), None)),
@@ -207,7 +212,7 @@ impl HumanState {
         if floor.settings.policy != HumanAwarePolicy::Giveway || self.is_asked(floor, worker, now).is_none() {
             return;
         }
-        let cut = self.edges_blocked_for_long(floor, yielding, now);
+        let cut = self.edges_blocked_for_long(floor, yielding, self.mover(worker), now);
         if let Some(points) = self.refuge(floor, worker, at, &cut) {
             let person = &mut self.people[worker];
             person.give(points, None, Span::ZERO, now);
@@ -241,8 +246,12 @@ impl HumanState {
             all.extend(floor.wanted_near(worker).into_iter().map(place));
         }
         // If no place is clear of all their ways: one that is clear of the way of one robot, the longest waiting first.
-        let ways = WaysPast::new(self, floor, at, cut);
-        let clear = |wanted: &[Point]| self.place_aside(floor, wanted, at, REFUGE_CLEAR_M, &ways);
+        let mover = self.mover(worker);
+        let beside = (mover != Mover::OnFoot).then(|| self.edges_beside_robots(floor, (mover, at), cut));
+        let cut = beside.as_ref().unwrap_or(cut);
+        let ways = WaysPast::new(self, floor, (mover, at), cut);
+        let enough_m = REFUGE_CLEAR_M + mover.body_m() - BODY_M;
+        let clear = |wanted: &[Point]| self.place_aside(floor, wanted, (mover, at), enough_m, &ways);
         let one = |r: &RobotId| clear(&ahead(r).collect::<Vec<_>>());
         let alone = || robots.iter().take(ALONE).find_map(one);
         clear(&all).or_else(|| (robots.len() > 1).then(alone).flatten())
@@ -253,7 +262,7 @@ impl HumanState {
         &self,
         floor: Floor<'_>,
         wanted: &[Point],
-        at: Point,
+        (mover, at): (Mover, Point),
         enough_m: f64,
         ways: &WaysPast<'_>,
     ) -> Option<Vec<Point>> {
@@ -261,9 +270,10 @@ impl HumanState {
             return None;
         }
         let walkways = &self.walkways;
-        let beside =
-            |r: RobotId, p: Point| (floor.place_of(r) - p).norm() < floor.beside_m(r, BESIDE_ROBOT_M);
-        let has_room = |p: Point| !floor.ledger.present().any(|r| beside(r, p));
+        let beside_m = BESIDE_ROBOT_M + mover.body_m() - BODY_M;
+        let beside = |r: RobotId, p: Point| (floor.place_of(r) - p).norm() < floor.beside_m(r, beside_m);
+        let fits = |p: Point| walkways.clearance_m(p) >= mover.clearance_m();
+        let has_room = |p: Point| fits(p) && !floor.ledger.present().any(|r| beside(r, p));
         let clear_m = |p: Point| wanted.iter().map(|w| (w - p).norm()).fold(f64::INFINITY, f64::min);
         let enough_m = if clear_m(at) > enough_m { clear_m(at) + FARTHER_M } else { enough_m };
         let mut near: Vec<(f64, Point)> = (walkways.within(at, REFUGE_M).into_iter())
@@ -289,12 +299,15 @@ impl HumanState {
         if plan.is_there(place.at) {
             return None;
         }
+        let mover = place.mover;
+        // A driver stops farther from a robot than a person does, and is there sooner.
+        let near_m = mover.far_m(2.0);
         let mut ahead = vec![place.at];
         ahead.extend(plan.follower.ahead().iter().take(3));
         let stops = |robot: &RobotId| {
-            let (at, reach) = (floor.place_of(*robot), floor.beside_m(*robot, BODY_M));
+            let (at, reach) = (floor.place_of(*robot), floor.beside_m(*robot, mover.half_width_m()));
             let near = ahead.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach);
-            near && (at - place.at).norm() < 2.0 && floor.stands_near(*robot, place.at)
+            near && (at - place.at).norm() < near_m && floor.stands_near(*robot, place.at)
         };
         floor.ledger.present().find(stops)
     }

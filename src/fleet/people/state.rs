@@ -15,7 +15,7 @@ use giveway_floor::warehouse::walkway::Walkways;
 use giveway_floor::warehouse::{Cell, Warehouse};
 use giveway_people::aware::{Afoot, Occupancy};
 use giveway_people::human::motion::Motion;
-use giveway_people::human::{Coverage, Follower, Hypothesis, Method, Presence, Track, Whereabouts};
+use giveway_people::human::{Coverage, Follower, Hypothesis, Method, Mover, Presence, Track, Whereabouts};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -241,6 +241,11 @@ impl HumanState {
             self.people.push(Person::default());
         }
         &mut self.people[worker]
+    }
+
+    /// What a worker moves as.
+    pub fn mover(&self, worker: WorkerId) -> Mover {
+        self.people.get(worker).map_or(Mover::OnFoot, |person| person.track.mover())
     }
 
     /// Where a worker is, if on the floor.

@@ -176,7 +176,8 @@ impl Fleet {
     fn worker_view(&self, worker: WorkerId, name: &str, now: Time) -> WorkerView {
         let place = self.people.whereabouts(worker, now);
         let person = self.people.people.get(worker);
-        let sigma = place.map_or(0.0, |w| w.sigma_m);
+        let mover = self.writer.ledger().mover(worker);
+        let regions = &self.writer.regions;
         let belief = self.people.intents.belief(worker).unwrap_or_default();
         let guidance = place.map(|w| self.people.guidance(self.floor(), worker, &w, now)).unwrap_or_default();
         WorkerView {
@@ -187,7 +188,8 @@ impl Fleet {
             speed_mps: place.map_or(0.0, |w| w.velocity.norm()),
             accuracy_m: place.map_or(0.0, |w| w.sigma_m + w.reach_m),
             area: place.map(|w| self.lost_area(&w)).unwrap_or_default(),
-            regions_m: self.writer.regions.widest_m(sigma),
+            regions_m: place.map_or_else(|| regions.widest_for_m(mover), |w| regions.widest_m(&w)),
+            mover,
             guidance,
             goals: self.goals_view(&belief),
             undecided: belief.undecided,

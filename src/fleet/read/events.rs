@@ -9,6 +9,7 @@ use crate::state::job::JobState;
 use crate::state::note::{EventDetails, FloorNote, ReplanCause};
 use giveway_floor::id::{RobotId, WorkerId};
 use giveway_floor::time::Time;
+use giveway_people::human::Mover;
 
 /// What an event is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -160,6 +161,8 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         Fact::Worker(WorkerFact::Noted { worker: w, .. }) => worker(w, "on_floor"),
         Fact::Worker(WorkerFact::Narrowed { worker: w, .. }) => worker(w, "lost_near"),
         Fact::Worker(WorkerFact::Cleared { worker: w, .. }) => worker(w, "left"),
+        Fact::Worker(WorkerFact::Moves { worker: w, mover: Mover::OnFoot, .. }) => worker(w, "on_foot"),
+        Fact::Worker(WorkerFact::Moves { worker: w, .. }) => worker(w, "in_vehicle"),
         Fact::Encounter(EncounterFact::Deviated { worker: w, .. }) => {
             FloorEvent { kind: EventKind::WorkerDeviated, ..worker(w, "deviated") }
         }

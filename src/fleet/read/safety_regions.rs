@@ -13,7 +13,7 @@ use crate::state::wait_graph::Party;
 use giveway_floor::geometry::Point;
 use giveway_floor::id::{BodyId, NodeId, RobotId, WorkerId};
 use giveway_floor::time::{Span, Time, Window};
-use giveway_people::human::{Band, Hypothesis, Whereabouts, passages};
+use giveway_people::human::{Hypothesis, Whereabouts, passages};
 use std::collections::BTreeMap;
 
 /// Ways of a person that are less probable than this have no regions.
@@ -107,7 +107,7 @@ impl Fleet {
         found: &mut Stays,
     ) {
         // The widest regions of all kinds, with a rack.
-        let sizes = self.writer.regions.widest_m(place.sigma_m);
+        let sizes = self.writer.regions.widest_m(place);
         let radii = (sizes[1] + place.reach_m, sizes[2] + place.reach_m);
         let mut add = |at: Point, when: Window| {
             if when.overlaps(window) {
@@ -120,7 +120,7 @@ impl Fleet {
         let ways = planned(&self.people.people[worker], place);
         for (i, way) in ways.iter().enumerate() {
             let ahead = window.end() - now;
-            passages(i, way, Band::around(place.velocity.norm()), now, ahead, |p| add(p.at, p.window));
+            passages(i, way, place.mover.band(place.velocity.norm()), now, ahead, |p| add(p.at, p.window));
         }
     }
 

@@ -116,6 +116,7 @@ impl Intake<'_> {
     fn take_worker(&mut self, action: WorkerAction, now: Time) -> Answered {
         match action {
             WorkerAction::Register(name) => self.register_worker(name, now),
+            WorkerAction::MoveAs(worker, mover) => self.move_as(worker, mover, now),
             WorkerAction::Forget(worker) => self.forget_worker(worker, now),
             WorkerAction::Clear { worker, by } => self.clear_worker(worker, by, now),
             WorkerAction::Narrow { worker, by, at, within_mm } => {

@@ -11,6 +11,7 @@ use crate::state::worker::{AssignmentRequest, AssignmentState, LastPlace};
 use giveway_floor::geometry::Spot;
 use giveway_floor::id::{AssignmentId, Dense, NodeId, WorkerId};
 use giveway_floor::time::Time;
+use giveway_people::human::Mover;
 use std::ops::RangeInclusive;
 
 /// Distances from a place that a supervisor may vouch for, millimetres: an unseen person is taken to get no farther.
@@ -32,6 +33,17 @@ impl Intake<'_> {
         };
         self.writer.record(WorkerFact::Registered { worker, name, at: now });
         Ok(Answer::Worker(Made { id: worker, new: true }))
+    }
+
+    /// Notes what a worker moves as. Nothing happens if that is known.
+    pub(super) fn move_as(&mut self, worker: WorkerId, mover: Mover, now: Time) -> Answered {
+        if !self.writer.ledger().knows(worker) {
+            return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
+        }
+        if self.writer.ledger().mover(worker) != mover {
+            self.writer.record(WorkerFact::Moves { worker, mover, at: now });
+        }
+        Ok(Answer::Done)
     }
 
     /// Forgets a worker. The caller has made sure that no list says any more who it was.
@@ -61,7 +73,7 @@ impl Intake<'_> {
         if let Some(worker) = worker.filter(|w| !self.writer.ledger().knows(*w)) {
             return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
-        self.check_walkable(request.place)?;
+        self.check_reached(worker, request.place)?;
         if self.writer.ledger().assignments.len() >= self.writer.settings.limits.open_assignments {
             return Err(Refusal::TooMany(Bounded::Assignments, self.writer.ledger().assignments.len()));
         }
@@ -70,10 +82,11 @@ impl Intake<'_> {
         Ok(Answer::Assignment(Made { id: assignment, new: true }))
     }
 
-    /// Checks that a worker can get near a node on foot.
-    fn check_walkable(&self, place: NodeId) -> Result<(), Refusal> {
+    /// Checks that a worker can get near a node: on foot, or with the vehicle.
+    fn check_reached(&self, worker: Option<WorkerId>, place: NodeId) -> Result<(), Refusal> {
         let Some(node) = self.writer.warehouse().nodes.get(place) else { return Err(Refusal::UnknownPlace) };
-        match self.walkways.on_floor(node.at) {
+        let mover = worker.map_or(Mover::OnFoot, |w| self.writer.ledger().mover(w));
+        match self.walkways.stand_near(node.at, mover.clearance_m()) {
             Some(_) => Ok(()),
             None => Err(Refusal::Worker(WorkerRefusal::OutOfReach(place))),
         }

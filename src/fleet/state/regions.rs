@@ -9,6 +9,7 @@ use giveway_floor::route::{Cause, Condition, Conditions};
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::Warehouse;
 use giveway_people::aware::Regions;
+use giveway_people::human::{Mover, Whereabouts};
 
 /// Radii and speeds near people, by robot kind.
 #[derive(Clone, Debug)]
@@ -48,9 +49,19 @@ impl KindRegions {
         &self.sets[self.of[body]]
     }
 
-    /// The largest radii of regions 1, 2 and 3 that any robot without a rack keeps, metres.
-    pub fn widest_m(&self, sigma_m: f64) -> [f64; 3] {
+    /// The largest radii of regions 1, 2 and 3 around a worker that any robot without a rack keeps, metres.
+    pub fn widest_m(&self, w: &Whereabouts) -> [f64; 3] {
+        self.widest_of(w.sigma_m, |r| r.towards(w))
+    }
+
+    /// The same for a worker who is not on the floor.
+    pub fn widest_for_m(&self, mover: Mover) -> [f64; 3] {
+        self.widest_of(0.0, |r| r.for_mover(mover))
+    }
+
+    fn widest_of(&self, sigma_m: f64, towards: impl Fn(&Regions) -> Regions) -> [f64; 3] {
         let of = |r: &Regions| {
+            let r = towards(r);
             let (stop, keep_out) = (r.stop_radius_m(false, sigma_m), r.keep_out_radius_m(false, sigma_m));
             [stop, keep_out, r.slow_radius_m(false, sigma_m)]
         };

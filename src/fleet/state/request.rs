@@ -14,6 +14,7 @@ use giveway_floor::geometry::Spot;
 use giveway_floor::id::{
     AssignmentId, BodyId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
+use giveway_people::human::Mover;
 
 /// A source of requests: the driver gives each of its sources its own number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -124,6 +125,8 @@ pub enum StationOrder {
 pub enum WorkerAction {
     /// A worker of this name is to be known; a name that is known already makes no second worker.
     Register(String),
+    /// A worker is on foot or in a vehicle from now on.
+    MoveAs(WorkerId, Mover),
     /// A worker who is not on the floor and has nothing to do is to be forgotten: the place is free for another one.
     Forget(WorkerId),
     /// A worker has left the floor, or a supervisor vouches that no one is where a worker was lost.
@@ -420,6 +423,11 @@ impl Ask<()> {
     /// Asks for a worker to be forgotten.
     pub fn forget_worker(worker: WorkerId) -> Self {
         Ask::done(WorkerAction::Forget(worker))
+    }
+
+    /// Asks for a worker to count as on foot or in a vehicle.
+    pub fn move_as(worker: WorkerId, mover: Mover) -> Self {
+        Ask::done(WorkerAction::MoveAs(worker, mover))
     }
 
     /// Reports that a supervisor vouches that no one is where a worker was lost.

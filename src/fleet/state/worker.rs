@@ -9,7 +9,7 @@ use super::keys::ClientKey;
 use giveway_floor::geometry::{Point, Pose, Spot};
 use giveway_floor::id::{AssignmentId, ClosureId, NodeId, RobotId, SeriesId, WorkerId};
 use giveway_floor::time::{Span, Time, Window};
-use giveway_people::human::IntentState;
+use giveway_people::human::{IntentState, Mover};
 
 /// What a worker is to do, as submitted.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -333,13 +333,15 @@ pub struct Encounter {
 pub struct WorkerView {
     /// The name.
     pub name: String,
+    /// What the worker moves as.
+    pub mover: Mover,
     /// How well the worker's place is known.
     pub presence: Presence,
     /// The last pose, if there was any.
     pub pose: Option<Pose>,
     /// When the last pose was seen.
     pub seen: Option<Time>,
-    /// Walking speed, metres per second.
+    /// Speed, metres per second.
     pub speed_mps: f64,
     /// One standard deviation of the position, metres, grown with silence.
     pub accuracy_m: f64,

@@ -5,7 +5,7 @@ use super::*;
 use giveway_fleet::internals::WaysPast;
 use giveway_floor::geometry::Point;
 use giveway_floor::warehouse::sketch;
-use giveway_people::aware::BODY_M;
+use giveway_people::human::{BODY_M, Mover};
 
 /// A floor with one delivery, and a person near its station with the two ends of a way in front of it.
 fn before_the_station() -> (TestFloor, Puppet, [Point; 2]) {
@@ -150,7 +150,8 @@ fn a_person_who_is_measured_inside_a_robot_and_stays_there_is_led_out_at_one_sid
     let goal = nodes.max_by(|a, b| (a - robot).norm().total_cmp(&(b - robot).norm())).expect("it has nodes");
     let cut = fleet.internals().people.walkways.no_edges();
     let first = |kept_s: i64| {
-        let ways = WaysPast::new(fleet.internals().people, fleet_floor(&floor), inside, &cut);
+        let ways =
+            WaysPast::new(fleet.internals().people, fleet_floor(&floor), (Mover::OnFoot, inside), &cut);
         let way = ways.by_sides(Span::from_secs(kept_s)).to(goal).expect("there is a way");
         assert_eq!(way[0], inside);
         way[1]

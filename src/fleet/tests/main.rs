@@ -47,6 +47,7 @@ mod stops;
 mod stuck;
 mod trades;
 mod turns;
+mod vehicles;
 mod why;
 mod workplace;
 

@@ -33,7 +33,7 @@ impl SpeedLimits<'_> {
         let next = self.floor.warehouse().nodes[chain.get(chain.granted())?.node].at;
         let loaded = self.floor.ledger.rack_on(robot).is_some();
         let walk = self.walk_of(worker, &place, (robot, self.floor.place_of(robot)), now);
-        let radius_m = self.floor.regions(robot).keep_out_radius_m(loaded, place.sigma_m);
+        let radius_m = self.floor.regions(robot).towards(&place).keep_out_radius_m(loaded, place.sigma_m);
         let free_s = leaves_after(&walk, next, radius_m)? - BEFORE_S;
         if free_s <= 0.0 {
             return None;

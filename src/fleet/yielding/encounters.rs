@@ -46,11 +46,11 @@ impl Yielding {
             for robot in writer.ledger().present() {
                 let Some(seen) = writer.scene.robot(robot) else { continue };
                 let distance_m = (seen.pose.at - w.at).norm();
-                if distance_m > NEAR_M || w.presence == Presence::Lost {
+                if distance_m > w.mover.far_m(NEAR_M) || w.presence == Presence::Lost {
                     continue;
                 }
                 let loaded = writer.ledger().rack_on(robot).is_some();
-                let radius_m = writer.floor().regions(robot).stop_radius_m(loaded, 0.0);
+                let radius_m = writer.floor().regions(robot).towards(&w).stop_radius_m(loaded, 0.0);
                 let (robot_mps, worker_mps) = (seen.speed_mps, w.velocity.norm());
                 let (at, robot_at) = (w.at, seen.pose.at);
                 near.push(Near { worker, robot, at, robot_at, radius_m, distance_m, robot_mps, worker_mps });

@@ -19,7 +19,7 @@ use giveway_floor::id::{RobotId, WorkerId};
 use giveway_floor::route::{Cause, Effect};
 use giveway_floor::time::{Span, Time, Window};
 use giveway_people::aware::{HumanAwarePolicy, SLOW_MPS};
-use giveway_people::human::Whereabouts;
+use giveway_people::human::{Mover, Whereabouts};
 use giveway_people::local::{LineSide, NearPerson, PassingRoom};
 
 /// A side is free if the probability that a person is in the way there is at most this.
@@ -198,7 +198,7 @@ impl RobotPassing {
         assert!(floor.kind(robot).free_navigation, "{robot:?} leaves its line and cannot");
         let limits = present.iter().filter_map(|(_, w)| {
             let distance_m = (at - w.at).norm() - w.reach_m;
-            floor.regions(robot).limit_mps(distance_m, loaded, w.sigma_m)
+            floor.regions(robot).towards(w).limit_mps(distance_m, loaded, w.sigma_m)
         });
         (limits.reduce(f64::min), None)
     }
@@ -216,6 +216,9 @@ fn has_room(
     let limits = floor.passing_limits(robot);
     let room = PassingRoom::new(floor.footprint(robot), limits, stretch.line, stretch.corridor);
     let near = people.foreseen(floor, middle(stretch), reach_m(stretch), now);
+    if near.iter().any(|p| p.mover != Mover::OnFoot) {
+        return false;
+    }
     let near: Vec<NearPerson<'_>> = near.iter().map(|p| p.near()).collect();
     let at = floor.place_of(robot);
     let (from_m, left_m) = (room.along_m(at), room.across_m(LineSide::Left, at));
@@ -268,6 +271,10 @@ impl Floor<'_> {
             }
             if !binds(to, true) {
                 let near = people.foreseen(self, middle(stretch), reach_m(stretch), now);
+                // The local planner knows people on foot alone.
+                if near.iter().any(|p| p.mover != Mover::OnFoot) {
+                    return None;
+                }
                 let apart_m = self.regions(robot).keep_out_radius_m(false, 0.0) + BACK_M;
                 if near.iter().all(|p| (p.at - stretch.line.b).norm() >= apart_m) {
                     return Some((to, stretch, near));

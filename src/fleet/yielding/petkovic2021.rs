@@ -21,9 +21,9 @@ use giveway_floor::id::{NodeId, RobotId, WorkerId};
 use giveway_floor::route::{Cause, Effect, Route};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::timeline::Visit;
-use giveway_people::aware::{BODY_M, Effects, HumanAwarePolicy};
+use giveway_people::aware::{Effects, HumanAwarePolicy};
 use giveway_people::human::intention::reported_goals;
-use giveway_people::human::{Band, Hypothesis, Presence, common_prefix, straight_on, towards_goal};
+use giveway_people::human::{Hypothesis, Mover, Presence, common_prefix, straight_on, towards_goal};
 
 /// A robot that has not come to rest after this long is taken as it is.
 const REST: Span = Span::from_secs(6);
@@ -83,17 +83,18 @@ impl Yielding {
             if !matches!(people.people[worker].mode, WalkMode::Stopped { since } if since < now) {
                 return None;
             }
-            let at = people.whereabouts(worker, now).filter(|w| w.presence != Presence::Lost)?.at;
+            let place = people.whereabouts(worker, now).filter(|w| w.presence != Presence::Lost)?;
+            let (at, mover) = (place.at, place.mover);
             // A worker who stands gives no new direction.
             let before = self.procedure.stopped.get(&worker).filter(|path| (path[0] - at).norm() < STOOD_M);
             let path = before.cloned().unwrap_or_else(|| predicted_segment(floor, people, worker, at, now));
             let end = *path.last()?;
             let cannot_leave = |r: &RobotId| floor.ledger.robots[*r].failed;
-            let begins_free = path.len() > 1 && floor.robots_on(&beginning(&path, CLEAR_M)).is_empty();
-            if begins_free && !floor.robots_on(&path).iter().any(cannot_leave) {
+            let begins_free = path.len() > 1 && floor.robots_on(mover, &beginning(&path, CLEAR_M)).is_empty();
+            if begins_free && !floor.robots_on(mover, &path).iter().any(cannot_leave) {
                 return Some((worker, Led::AsExpected(path)));
             }
-            Some((worker, Led::Redirected(floor.way_between_robots(people, at, end)?)))
+            Some((worker, Led::Redirected(floor.way_between_robots(people, mover, (at, end))?)))
         })
     }
 
@@ -125,7 +126,7 @@ impl Yielding {
                 // Without a prediction, the fleet does not react before a robot has to.
                 floor.ledger.present().any(|r| {
                     let loaded = floor.ledger.rack_on(r).is_some();
-                    let radius = floor.regions(r).stop_radius_m(loaded, 0.0);
+                    let radius = floor.regions(r).towards(&place).stop_radius_m(loaded, 0.0);
                     (floor.place_of(r) - place.at).norm() < radius
                 })
             }
@@ -157,11 +158,11 @@ impl Yielding {
         let place = people.whereabouts(worker, now)?;
         let segment = predicted_segment(writer.floor(), people, worker, place.at, now);
         let end = segment.last().copied()?;
-        let in_the_way = writer.floor().robots_on(&segment);
+        let in_the_way = writer.floor().robots_on(place.mover, &segment);
         if in_the_way.is_empty() {
             return Some(Led::AsExpected(segment));
         }
-        if let Some(path) = writer.floor().way_between_robots(people, place.at, end) {
+        if let Some(path) = writer.floor().way_between_robots(people, place.mover, (place.at, end)) {
             return Some(Led::Redirected(path));
         }
         let mut conditions = writer.restrictions.conditions.clone();
@@ -169,7 +170,7 @@ impl Yielding {
         let way = Hypothesis { probability: 1.0, path: segment.clone(), stay: None };
         for (conditions, regions) in conditions.with_regions(&writer.regions) {
             let effects = Effects { warehouse: writer.warehouse(), regions, afoot: &people.afoot, now };
-            effects.plan(conditions, worker, &way, Band::ANY);
+            effects.plan(conditions, (worker, place.mover), &way, place.mover.any_band());
         }
         if self.all_leave(writer, traffic, conditions, worker, &in_the_way, now) {
             return Some(Led::AsExpected(segment));
@@ -257,7 +258,7 @@ fn predicted_segment(
     let home = || {
         let id = floor.next_assignment(worker)?;
         let goal = floor.warehouse().nodes[floor.ledger.assignments[&id].request.place].at;
-        Some(people.walkways.path(at, goal, &people.walkways.no_edges())?.points)
+        Some(people.walkways.path(at, goal, &people.edges_too_narrow(people.mover(worker)))?.points)
     };
     match floor.settings.policy {
         HumanAwarePolicy::Shir => {
@@ -330,22 +331,27 @@ impl Floor<'_> {
     }
 
     /// A way on which no robot stands.
-    fn way_between_robots(&self, people: &HumanState, from: Point, to: Point) -> Option<Vec<Point>> {
-        let mut cut = people.walkways.no_edges();
+    fn way_between_robots(
+        &self,
+        people: &HumanState,
+        mover: Mover,
+        (from, to): (Point, Point),
+    ) -> Option<Vec<Point>> {
+        let mut cut = people.edges_too_narrow(mover);
         for robot in self.ledger.present() {
-            let (at, reach) = (self.place_of(robot), self.beside_m(robot, BODY_M));
+            let (at, reach) = (self.place_of(robot), self.beside_m(robot, mover.half_width_m()));
             people.walkways.edges_within(at, reach).into_iter().for_each(|e| {
                 cut.insert(e);
             });
         }
         let way = people.walkways.path(from, to, &cut).map(|w| w.points)?;
-        self.robots_on(&way).is_empty().then_some(way)
+        self.robots_on(mover, &way).is_empty().then_some(way)
     }
 
     /// Robots that stand where a path leads.
-    fn robots_on(&self, path: &[Point]) -> Vec<RobotId> {
+    fn robots_on(&self, mover: Mover, path: &[Point]) -> Vec<RobotId> {
         let on = |robot: &RobotId| {
-            let (at, reach) = (self.place_of(*robot), self.beside_m(*robot, BODY_M));
+            let (at, reach) = (self.place_of(*robot), self.beside_m(*robot, mover.half_width_m()));
             path.windows(2).any(|s| Segment { a: s[0], b: s[1] }.distance_to(at) < reach)
         };
         self.ledger.present().filter(on).collect()

@@ -20,7 +20,7 @@ use giveway_people::aware::{
     BEYOND, DriveAhead, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, Walk, collision, moves_within,
     quantised,
 };
-use giveway_people::human::{Presence, WALK_MPS, Whereabouts};
+use giveway_people::human::{Presence, Whereabouts};
 
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.05;
@@ -33,8 +33,6 @@ const CLEAR_M: f64 = 0.35;
 const SET_OFF_M: f64 = 0.3;
 /// A person farther away does not come into region 1 before a robot has stopped, metres.
 const PASSING_M: f64 = 6.0;
-/// How fast people walk once they set off, metres per second.
-const GAIT_MPS: f64 = 1.3;
 /// Robots are told their limit again after this long, until they confirm it.
 const INSIST: Span = Span::from_millis(100);
 /// A robot comes towards a person if at least this share of its speed leads there.
@@ -200,13 +198,15 @@ impl SpeedLimits<'_> {
         let mut slowest: (Option<f64>, Option<WorkerId>) = (None, None);
         for (worker, w) in present {
             let distance = (at - w.at).norm() - w.reach_m;
-            if distance > FAR_M || w.reach_m > 0.0 && !self.is_within_reach(robot, *worker, w) {
+            if distance > w.mover.far_m(FAR_M) || w.reach_m > 0.0 && !self.is_within_reach(robot, *worker, w)
+            {
                 continue;
             }
             let off = w.presence != Presence::Lost && self.drives_away(robot, at, w, now);
             // A robot that drives away needs no room to brake, and braking would let the person catch up.
             let towards_mps = if off { 0.0 } else { speed };
-            let stop = self.floor.regions(robot).stop_radius_at_m(towards_mps, loaded, w.sigma_m);
+            let regions = self.floor.regions(robot).towards(w);
+            let stop = regions.stop_radius_at_m(towards_mps, loaded, w.sigma_m);
             let limit = if distance < stop {
                 Some(if off && !self.is_caught_up(robot, *worker, w, now) { SLOW_MPS } else { 0.0 })
             } else {
@@ -261,10 +261,11 @@ impl SpeedLimits<'_> {
         }
         let walks_mps = match w.presence {
             Presence::Tracked => w.velocity.norm() + MEASURED_MPS,
-            _ => WALK_MPS,
+            _ => w.mover.assumed_mps(),
         };
         let distance_m = to.norm() - w.reach_m;
-        let limit = self.floor.regions(robot).approach_limit_mps(distance_m, walks_mps, loaded, w.sigma_m)?;
+        let regions = self.floor.regions(robot).towards(w);
+        let limit = regions.approach_limit_mps(distance_m, walks_mps, loaded, w.sigma_m)?;
         let (along, top) = (limit / share, self.floor.kinematics(robot).top_mps(loaded));
         (along < top).then(|| quantised(along))
     }
@@ -335,7 +336,7 @@ impl SpeedLimits<'_> {
         let Some(seen) = self.floor.scene.robot(robot) else { return false };
         let at = seen.pose.at;
         let way = self.floor.granted_way(robot, at, self.drives_back_to(robot));
-        if way.len() < 2 || (at - w.at).norm() > PASSING_M {
+        if way.len() < 2 || (at - w.at).norm() > w.mover.far_m(PASSING_M) {
             return false;
         }
         let walk = self.walk_of(worker, w, (robot, at), now);
@@ -355,7 +356,8 @@ impl SpeedLimits<'_> {
         let told_to = self.yielding.of(robot).is_told_to_stand();
         let stands = told_to || seen.speed_mps < STANDS_MPS;
         let room_m = CLEAR_M + if stands { SET_OFF_M } else { 0.0 };
-        moves_within(&drive, &walk, self.floor.regions(robot).stop_radius_m(loaded, w.sigma_m) + room_m)
+        let regions = self.floor.regions(robot).towards(w);
+        moves_within(&drive, &walk, regions.stop_radius_m(loaded, w.sigma_m) + room_m)
     }
 
     /// How a worker will walk on, as far as that is known: along the path; without one, straight on; from a place of
@@ -377,7 +379,7 @@ impl SpeedLimits<'_> {
             && now - (since + plan.stay) < STANDS
         {
             let waits_s = (since + plan.stay - now).max(Span::ZERO).as_secs_f64();
-            return Walk { way: vec![w.at, at], speed_mps: GAIT_MPS, waits_s };
+            return Walk { way: vec![w.at, at], speed_mps: w.mover.sets_off_mps(), waits_s };
         }
         let follows = matches!(person.mode, WalkMode::Following | WalkMode::Redirected);
         let path = person.rest_of_path(w.at).filter(|p| follows && p.len() > 1);
@@ -386,13 +388,14 @@ impl SpeedLimits<'_> {
         let lately = person.stands_since.is_none_or(|t| now - t < STANDS);
         let sets_off = path.is_some() && lately && !self.drives_away(robot, at, w, now);
         let way = path.unwrap_or_else(|| vec![w.at, w.at + w.velocity * 5.0]);
-        Walk { way, speed_mps: if sets_off && speed < STROLL_MPS { GAIT_MPS } else { speed }, waits_s: 0.0 }
+        let speed_mps = if sets_off && speed < STROLL_MPS { w.mover.sets_off_mps() } else { speed };
+        Walk { way, speed_mps, waits_s: 0.0 }
     }
 
     /// Whether a robot within region 2 may drive on to the end of what it was granted: the worker stands, and the grant
     /// does not lead into region 1. Otherwise the robot could not be at rest when the worker comes.
     fn may_finish(&self, robot: RobotId, w: &Whereabouts, loaded: bool) -> bool {
-        let clear_m = self.floor.regions(robot).stop_radius_m(loaded, w.sigma_m) + ROOM_M;
+        let clear_m = self.floor.regions(robot).towards(w).stop_radius_m(loaded, w.sigma_m) + ROOM_M;
         let leaves_room = self
             .floor
             .granted_ahead(robot)
@@ -429,7 +432,9 @@ impl SpeedLimits<'_> {
     /// Whether a robot would probably meet a worker if it did not brake now: the probability within the time that
     /// braking takes is at the threshold or beyond.
     fn would_meet(&self, robot: RobotId, worker: WorkerId, at: Point, now: Time) -> bool {
-        let far = self.people.people[worker].track.newest().is_none_or(|s| (s.at - at).norm() > MEETS_M);
+        let mover = self.people.mover(worker);
+        let meets_m = mover.far_m(MEETS_M);
+        let far = self.people.people[worker].track.newest().is_none_or(|s| (s.at - at).norm() > meets_m);
         if far {
             return false;
         }
@@ -442,7 +447,7 @@ impl SpeedLimits<'_> {
         let speed_mps = seen_mps.max(SLOW_MPS);
         let times = self.floor.regions(robot).times(speed_mps, loaded);
         let time = Span::from_secs_f64(times.react_s + times.stop_s) + BEYOND;
-        let robot = Swept { way, speed_mps, half_m: self.floor.footprint(robot).half_m() };
+        let robot = Swept { way, speed_mps, half_m: self.floor.footprint(robot).half_m(), mover };
         collision(|t| self.people.forecast(self.floor, worker, t), &robot, now, time)
             .is_some_and(|p| p >= THRESHOLD)
     }

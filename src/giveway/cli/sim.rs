@@ -306,7 +306,7 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
         "scenario": setup.scenario.site.name,
         "seed": seed,
         "robots": setup.scenario.robots,
-        "workers": setup.scenario.workers.count,
+        "workers": setup.scenario.workers.all(),
         "sim_seconds": o.simulated.as_secs_f64(),
         "wall_seconds": wall,
         "robot_deliveries": deliveries,

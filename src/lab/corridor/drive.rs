@@ -9,9 +9,8 @@ use super::scene::CorridorScene;
 use super::worker::Stroller;
 use giveway_floor::geometry::{Point, Pose, Vector};
 use giveway_floor::time::{Span, Time};
-use giveway_people::aware::BODY_M;
 use giveway_people::human::motion::{Fix, Motion};
-use giveway_people::human::{Forecast, Mixture, Model};
+use giveway_people::human::{BODY_M, Forecast, Mixture, Model};
 use giveway_people::local::{
     AHEAD_STEP_S, AHEAD_STEPS, DriveState, LocalMethod, LocalPlanner, NearPerson, RobotOutline, Twist,
 };

@@ -4,8 +4,7 @@
 //! touch it before it stands (ISO 13855, K = 1.6 m/s, all round). Refuses: to steer: it brakes on the present arc.
 
 use giveway_floor::geometry::Point;
-use giveway_people::aware::BODY_M;
-use giveway_people::human::WALK_MPS;
+use giveway_people::human::{BODY_M, WALK_MPS};
 use giveway_people::local::{DriveState, RobotOutline, Twist};
 
 /// Time from a person in the field to the brakes, seconds.

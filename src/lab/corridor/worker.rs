@@ -5,7 +5,7 @@
 
 use super::scene::WorkerWalk;
 use giveway_floor::geometry::{Point, Pose, Vector};
-use giveway_people::aware::BODY_M;
+use giveway_people::human::BODY_M;
 use giveway_people::local::RobotOutline;
 use giveway_sim::random::Stream;
 

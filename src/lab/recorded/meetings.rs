@@ -11,8 +11,8 @@ use crate::learning::RECORDED_M;
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::{Span, Time};
-use giveway_people::aware::{BEYOND, BODY_M, Regions, SLOW_MPS, Swept, collision};
-use giveway_people::human::{Method, Model};
+use giveway_people::aware::{BEYOND, Regions, SLOW_MPS, Swept, collision};
+use giveway_people::human::{BODY_M, Method, Model, Mover};
 
 /// Probabilities from which a robot brakes, for comparison.
 pub const THRESHOLDS: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.4];
@@ -200,7 +200,12 @@ impl MeetingReplay {
             let outside = |d: f64| (d.abs() - self.half_m).max(0.0);
             let touches = outside(off.x).hypot(outside(off.y)) < BODY_M;
             let stated = (t - start >= KNOWN && off.norm() < NEAR_M).then(|| {
-                let swept = Swept { way: way.ahead(metres), speed_mps: self.speed_mps, half_m: self.half_m };
+                let swept = Swept {
+                    way: way.ahead(metres),
+                    speed_mps: self.speed_mps,
+                    half_m: self.half_m,
+                    mover: Mover::OnFoot,
+                };
                 let time = Span::from_secs_f64(self.lead_s) + BEYOND;
                 subject.forecast(|o| collision(|t| o.at(t), &swept, t, time)).unwrap_or(1.0)
             });

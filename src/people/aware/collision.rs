@@ -1,13 +1,13 @@
 //! The probability that a robot and a person meet, if the robot drives on.
 //!
 //! Main types: [`Swept`] (where a robot will be), main function: [`collision`]. It compares the robot's footprint,
-//! widened by half a person, with the forecast of the person's middle. Liu and Jebelli (2023) integrate the product of
+//! widened by half a person or by the disc in which a vehicle
+//! turns, with the forecast of the person's middle. Liu and Jebelli (2023) integrate the product of
 //! two densities and compare it with 5 %; that is no probability and peaks at 9.4 % for two equal Gaussians. The
 //! probability here is the mass of the forecast whose way the footprint crosses. Refuses: to take caution away; the
 //! caller may use it only to brake.
 
-use super::regions::BODY_M;
-use crate::human::{Mixture, PLACES};
+use crate::human::{Mixture, Mover, PLACES};
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::time::{Span, Time};
 use smallvec::SmallVec;
@@ -31,6 +31,8 @@ pub struct Swept {
     pub speed_mps: f64,
     /// Half the side of the robot's footprint, metres.
     pub half_m: f64,
+    /// What the worker moves as.
+    pub mover: Mover,
 }
 
 impl Swept {
@@ -49,10 +51,10 @@ impl Swept {
         at
     }
 
-    /// The rectangle that the footprint, widened by half a person, sweeps from one moment to another.
+    /// The rectangle that the footprint, widened by half the worker, sweeps from one moment to another.
     fn sweep(&self, from_s: f64, to_s: f64) -> (Point, Point) {
         let ends = [self.at(from_s), self.at(to_s)];
-        let reach = self.half_m + BODY_M;
+        let reach = self.half_m + self.mover.body_m();
         let low = Point::new(ends[0].x.min(ends[1].x) - reach, ends[0].y.min(ends[1].y) - reach);
         (low, Point::new(ends[0].x.max(ends[1].x) + reach, ends[0].y.max(ends[1].y) + reach))
     }
@@ -122,7 +124,7 @@ mod tests {
 
     fn robot(from: (f64, f64), to: (f64, f64)) -> Swept {
         let way = vec![Point::new(from.0, from.1), Point::new(to.0, to.1)];
-        Swept { way, speed_mps: 1.5, half_m: 0.45 }
+        Swept { way, speed_mps: 1.5, half_m: 0.45, mover: Mover::OnFoot }
     }
 
     #[test]

@@ -7,7 +7,7 @@
 use super::afoot::Afoot;
 use super::occupancy::Occupancy;
 use super::regions::Regions;
-use crate::human::{Band, Hypothesis, WALK_MPS, Whereabouts, passages};
+use crate::human::{Band, Hypothesis, Mover, Whereabouts, passages};
 use giveway_floor::geometry::{Point, Segment};
 use giveway_floor::id::{NodeId, WorkerId};
 use giveway_floor::route::{Cause, Condition, Conditions, Effect};
@@ -24,6 +24,9 @@ const IN_THE_WAY_S: f64 = 8.0;
 /// How far ahead places are closed, and how far ahead they have a soft cost.
 const HARD: Span = Span::from_secs(6);
 const SOFT: Span = Span::from_secs(15);
+/// The same for vehicles, beside which robots find no room on most roads: they leave the road before it comes.
+const HARD_VEHICLE: Span = Span::from_secs(15);
+const SOFT_VEHICLE: Span = Span::from_secs(30);
 /// Without forecasts: places that a walker reaches within the first time are closed, within the second they have a soft
 /// cost; seconds.
 const HARD_REACH_S: f64 = 2.0;
@@ -65,13 +68,13 @@ impl Effects<'_> {
     /// again, so that robots look for other ways; conditions are made anew every step.
     pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts, stood: Span) {
         let window = Window::new(self.now, self.now + stood.clamp(NOW, STOOD));
-        let keep_out = self.regions.keep_out_radius_m(true, w.sigma_m) + w.reach_m;
+        let keep_out = self.regions.towards(w).keep_out_radius_m(true, w.sigma_m) + w.reach_m;
         self.around(conditions, worker, w, (window, keep_out));
     }
 
     /// Regions around a worker who stands aside for a robot: a slow robot may come as near as it can still stop.
     pub fn stands_aside(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts) {
-        let keep_out = self.regions.stop_radius_m(true, w.sigma_m) + ASIDE_M + w.reach_m;
+        let keep_out = self.regions.towards(w).stop_radius_m(true, w.sigma_m) + ASIDE_M + w.reach_m;
         self.around(conditions, worker, w, (Window::new(self.now, self.now + NOW), keep_out));
     }
 
@@ -83,12 +86,13 @@ impl Effects<'_> {
         (window, keep_out): (Window, f64),
     ) {
         let cause = Cause::Worker(worker);
-        let slow = self.regions.slow_radius_m(true, w.sigma_m) + w.reach_m;
+        let regions = self.regions.towards(w);
+        let slow = regions.slow_radius_m(true, w.sigma_m) + w.reach_m;
         for (node, distance) in self.afoot.nodes_within(self.warehouse, w.at, slow) {
             let effect = if distance <= keep_out {
                 Effect::NoEntryOrExit
             } else {
-                Effect::Slow(self.regions.limits_mps(distance - w.reach_m, w.sigma_m))
+                Effect::Slow(regions.limits_mps(distance - w.reach_m, w.sigma_m))
             };
             conditions.add(node, Condition { window, effect, cause });
         }
@@ -96,11 +100,22 @@ impl Effects<'_> {
 
     /// Nodes on the paths that a worker may take, each from the arrival of a fast walker until a slow one has left,
     /// weighted by the probability of the path: our method ([`NodeWindows::Speeds`]).
-    pub fn forecast(&self, conditions: &mut Conditions, worker: WorkerId, paths: &[Hypothesis], band: Band) {
+    pub fn forecast(
+        &self,
+        conditions: &mut Conditions,
+        (worker, mover): (WorkerId, Mover),
+        paths: &[Hypothesis],
+        band: Band,
+    ) {
+        let beside_m = self.regions.for_mover(mover).beside_m();
+        let (hard, soft) = match mover {
+            Mover::OnFoot => (HARD, SOFT),
+            Mover::Vehicle(_) => (HARD_VEHICLE, SOFT_VEHICLE),
+        };
         let mut found: BTreeMap<NodeId, (f64, usize, Window)> = BTreeMap::new();
         for (i, h) in paths.iter().enumerate().filter(|(_, h)| h.probability >= NEGLIGIBLE / 4.0) {
-            passages(i, h, band, self.now, SOFT, |p| {
-                for node in self.warehouse.nodes_within(p.at, self.regions.beside_m()) {
+            passages(i, h, band, self.now, soft, |p| {
+                for node in self.warehouse.nodes_within(p.at, beside_m) {
                     let entry = found.entry(node).or_insert((0.0, usize::MAX, p.window));
                     if entry.1 != i {
                         (entry.0, entry.1) = (entry.0 + h.probability, i);
@@ -112,7 +127,7 @@ impl Effects<'_> {
         let cause = Cause::Worker(worker);
         for (node, (probability, _, window)) in found {
             let effect = match probability {
-                p if p >= SURE && window.start() <= self.now + HARD => Effect::Closed,
+                p if p >= SURE && window.start() <= self.now + hard => Effect::Closed,
                 p if p >= NEGLIGIBLE => Effect::SoftCost(Span::from_secs_f64(IN_THE_WAY_S * p.min(1.0))),
                 _ => continue,
             };
@@ -135,11 +150,13 @@ impl Effects<'_> {
     }
 
     /// All nodes that a worker can reach, for use when forecasts have proved wrong.
-    pub fn reachable(&self, conditions: &mut Conditions, worker: WorkerId, at: Point) {
+    pub fn reachable(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts) {
         let cause = Cause::Worker(worker);
-        for (node, distance) in self.afoot.nodes_within(self.warehouse, at, WALK_MPS * SOFT_REACH_S) {
+        let comes_m = |seconds| w.mover.far_m(0.0) + w.mover.comes_m(w.velocity.norm(), seconds);
+        let (hard_m, soft_m) = (comes_m(HARD_REACH_S), comes_m(SOFT_REACH_S));
+        for (node, distance) in self.afoot.nodes_within(self.warehouse, w.at, soft_m) {
             let window = Window::new(self.now, self.now + Span::from_secs_f64(SOFT_REACH_S));
-            let effect = if distance <= WALK_MPS * HARD_REACH_S {
+            let effect = if distance <= hard_m {
                 Effect::Closed
             } else {
                 Effect::SoftCost(Span::from_secs_f64(IN_THE_WAY_S))
@@ -150,16 +167,22 @@ impl Effects<'_> {
 
     /// A worker's whole planned path with regions 2 and 3 around it, as published (Petković 2021, sections 4.2.3 and
     /// 4.3.3).
-    pub fn plan(&self, conditions: &mut Conditions, worker: WorkerId, path: &Hypothesis, band: Band) {
-        let cause = Cause::Worker(worker);
-        let keep_out = self.regions.keep_out_radius_m(true, 0.0);
-        let slow = self.regions.slow_radius_m(true, 0.0);
+    pub fn plan(
+        &self,
+        conditions: &mut Conditions,
+        (worker, mover): (WorkerId, Mover),
+        path: &Hypothesis,
+        band: Band,
+    ) {
+        let (cause, regions) = (Cause::Worker(worker), self.regions.for_mover(mover));
+        let keep_out = regions.keep_out_radius_m(true, 0.0);
+        let slow = regions.slow_radius_m(true, 0.0);
         passages(0, path, band, self.now, Span::from_secs(120), |p| {
             for (node, distance) in self.afoot.nodes_within(self.warehouse, p.at, slow) {
                 let effect = match distance {
-                    d if d <= self.regions.beside_m() => Effect::Closed,
+                    d if d <= regions.beside_m() => Effect::Closed,
                     d if d <= keep_out => Effect::NoEntryOrExit,
-                    d => Effect::Slow(self.regions.limits_mps(d, 0.0)),
+                    d => Effect::Slow(regions.limits_mps(d, 0.0)),
                 };
                 conditions.add(node, Condition { window: p.window, effect, cause });
             }
@@ -217,7 +240,8 @@ mod tests {
 
     fn standing(at: Point) -> Whereabouts {
         let presence = Presence::Tracked;
-        Whereabouts { at, sigma_m: 0.02, reach_m: 0.0, velocity: Vector::zeros(), heading: None, presence }
+        let (velocity, mover) = (Vector::zeros(), Mover::OnFoot);
+        Whereabouts { at, sigma_m: 0.02, reach_m: 0.0, velocity, heading: None, presence, mover }
     }
 
     #[test]
@@ -246,7 +270,7 @@ mod tests {
         for (p, closed) in [(0.9, true), (0.3, false)] {
             let mut conditions = Conditions::none(&warehouse);
             let path = Hypothesis { probability: p, path: vec![at(0), at(1)], stay: None };
-            effects.forecast(&mut conditions, WorkerId(0), &[path], Band::ANY);
+            effects.forecast(&mut conditions, (WorkerId(0), Mover::OnFoot), &[path], Band::ANY);
             let first = warehouse.nodes.ids().next().unwrap();
             assert_eq!(matches!(conditions.of(first)[0].effect, Effect::Closed), closed);
         }
@@ -259,7 +283,7 @@ mod tests {
         let at = |i: usize| warehouse.nodes.iter().nth(i).unwrap().at;
         let h = |to: usize| Hypothesis { probability: 0.4, path: vec![at(0), at(to)], stay: None };
         let mut conditions = Conditions::none(&warehouse);
-        effects.forecast(&mut conditions, WorkerId(0), &[h(1), h(1)], Band::ANY);
+        effects.forecast(&mut conditions, (WorkerId(0), Mover::OnFoot), &[h(1), h(1)], Band::ANY);
         let first = warehouse.nodes.ids().next().unwrap();
         assert!(matches!(conditions.of(first)[0].effect, Effect::Closed), "0.4 and 0.4 make sure");
     }
@@ -293,7 +317,7 @@ mod tests {
         let node = warehouse.nodes.ids().next().unwrap();
         let at = warehouse.nodes[node].at;
         let mut conditions = Conditions::none(&warehouse);
-        effects.reachable(&mut conditions, WorkerId(0), at);
+        effects.reachable(&mut conditions, WorkerId(0), &standing(at));
         for (n, distance) in afoot.nodes_within(&warehouse, at, 20.0) {
             let found = conditions.of(n).first().map(|c| c.effect);
             match distance {

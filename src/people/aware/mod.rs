@@ -22,7 +22,7 @@ pub use effects::{Effects, NodeWindows, nodes_in};
 pub use encounter::{MOVES_MPS, Meeting, Meter, Near};
 pub use occupancy::{Occupancy, Stay, occupancies};
 pub use passing::{DriveAhead, Walk, leaves_after, moves_within};
-pub use regions::{BODY_M, Regions, SLOW_MPS, quantised};
+pub use regions::{Regions, SLOW_MPS, quantised};
 pub use safe_space::{Adaptation, Zone};
 
 /// How the fleet deals with people: ours, and three to compare it with (Petković 2021, section 4.4).

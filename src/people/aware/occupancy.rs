@@ -5,7 +5,7 @@
 //! counts once there. Nobody walks through racks: a node counts only once a person can have come there on foot.
 //! Refuses: to say what that means for robots (`effects`).
 
-use crate::human::{FEW_PLACES, Mixture};
+use crate::human::{FEW_PLACES, Mixture, Mover};
 use giveway_floor::geometry::Point;
 use giveway_floor::id::NodeId;
 use giveway_floor::time::{Span, Time, Window};
@@ -21,8 +21,6 @@ const LIKELY: f64 = 0.25;
 const SMALL: f64 = 0.01;
 /// Number and length in milliseconds of the time slices ahead: finer where more is known.
 const SLICES: [(i64, i64); 2] = [(10, 500), (10, 1000)];
-/// Greatest walking speed, metres per second.
-const FASTEST_MPS: f64 = 2.2;
 
 /// When a person will be at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +64,7 @@ struct Seen {
 /// slices × parts of the forecast × [`FEW_PLACES`].
 pub fn occupancies(
     warehouse: &Warehouse,
-    beside_m: f64,
+    (mover, beside_m): (Mover, f64),
     on_foot: &[(NodeId, f64)],
     stays: &[Stay],
     now: Time,
@@ -78,7 +76,7 @@ pub fn occupancies(
     for span in SLICES.iter().flat_map(|(count, ms)| (0..*count).map(|_| Span::from_millis(*ms))) {
         let slice = Window::new(from, from + span);
         let Some(mixture) = person(from + Span(span.0 / 2)) else { return Vec::new() };
-        let walked_m = FASTEST_MPS * (slice.end() - now).as_secs_f64() + beside_m;
+        let walked_m = mover.fastest_mps() * (slice.end() - now).as_secs_f64() + beside_m;
         let can_be = |node: NodeId| {
             let found = on_foot.binary_search_by_key(&node, |(n, _)| *n);
             found.is_ok_and(|i| on_foot[i].1 <= walked_m)
@@ -178,7 +176,7 @@ mod tests {
         };
         let distance = |n: NodeId| (w.nodes[n].at - start).norm();
         let on_foot: Vec<_> = w.nodes.ids().map(|n| (n, distance(n))).filter(|(_, m)| reach(*m)).collect();
-        occupancies(w, BESIDE_M, &on_foot, stays, Time::ZERO, person)
+        occupancies(w, (Mover::OnFoot, BESIDE_M), &on_foot, stays, Time::ZERO, person)
     }
 
     fn start(w: &Warehouse) -> Point {
@@ -228,7 +226,7 @@ mod tests {
             Some(Mixture { parts: vec![part, part] })
         };
         let on_foot: Vec<_> = w.nodes.ids().map(|n| (n, 0.0)).collect();
-        let all = occupancies(&w, BESIDE_M, &on_foot, &[], Time::ZERO, person);
+        let all = occupancies(&w, (Mover::OnFoot, BESIDE_M), &on_foot, &[], Time::ZERO, person);
         assert!((at(&all, node(&w, 0.0)).unwrap().probability - 0.8).abs() < 0.03);
     }
 
@@ -255,6 +253,6 @@ mod tests {
     fn nobody_who_was_never_seen_takes_a_node() {
         let w = thesis();
         let stay = Stay { at: start(&w), window: Window::new(Time::ZERO, Time(1)), probability: 1.0 };
-        assert!(occupancies(&w, BESIDE_M, &[], &[stay], Time::ZERO, |_| None).is_empty());
+        assert!(occupancies(&w, (Mover::OnFoot, BESIDE_M), &[], &[stay], Time::ZERO, |_| None).is_empty());
     }
 }

@@ -6,8 +6,9 @@
 //! Marks on one line leave two places open until the map or another source rules one of them out. Refuses: to compare
 //! sources with one another, which the track does.
 
+use super::mover::{Mover, measured_over_s};
 use super::sighting::{Quality, Sighting};
-use super::track::{Presence, WALK_MPS, Whereabouts};
+use super::track::{Presence, Whereabouts};
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::time::{Span, Time};
 use std::collections::VecDeque;
@@ -18,8 +19,6 @@ const FRESH: Span = Span::from_millis(300);
 pub const STALE: Span = Span::from_secs(1);
 /// After this much silence the worker is lost.
 pub const LOST: Span = Span::from_secs(3);
-/// Greatest running speed in a warehouse, metres per second.
-const RUN_MPS: f64 = 3.0;
 /// This many sightings in a row that agree with one another move a worker to a place that cannot be reached.
 const AGREE: usize = 5;
 /// Least accuracy that a source is believed to have, metres.
@@ -28,14 +27,6 @@ const BEST_M: f64 = 0.01;
 const GUESSED_M: f64 = 0.5;
 /// How long positions are kept for computing the velocity.
 const MEMORY: Span = Span::from_millis(1600);
-
-/// How long an unseen person is taken to walk straight away, at walking speed. After that the person is taken to turn
-/// at random after each such stretch, so that the distance grows with the square root of time.
-const STRAIGHT: Span = Span::from_secs(3);
-/// Greatest distance that an unseen person is taken to walk, metres on foot. The wearer is told to stand while the
-/// place is not known; robots' own scanners see a wearer who has walked farther, as they see everybody without a
-/// headset.
-const REACH_MOST_M: f64 = 8.0;
 
 /// How long the place that a source left by a jump is kept. That is time to ask for marks and to touch them; after it
 /// the source has been consistent for longer than the jump matters.
@@ -97,6 +88,10 @@ pub(super) struct SourceTrack {
     suspected: bool,
     /// Evidence, in this epoch, of the side of its marks that the worker is on.
     side: SideTrial,
+    /// What the worker moves as.
+    pub mover: Mover,
+    /// Direction in which the worker last moved, radians: a vehicle that stands is turned that way.
+    course: Option<f64>,
 }
 
 /// Evidence on whether the other side of the marks is ruled out.
@@ -133,7 +128,7 @@ impl SourceTrack {
             self.left.clear();
             return self.accept(s, SourceVerdict::Relocated);
         }
-        if !is_reachable(&last, s) {
+        if !self.is_reachable(&last, s) {
             return self.doubt(&last, s);
         }
         if s.epoch != last.epoch {
@@ -163,13 +158,14 @@ impl SourceTrack {
         }
         self.left.retain(|l| s.seen - l.jumped < HELD);
         self.newest = Some(Sighting { accuracy_m: s.accuracy_m.max(BEST_M), ..*s });
+        self.course = course(self.velocity()).or(self.course);
         verdict
     }
 
     /// Handles a place that cannot have been reached. If several sightings agree on it, the source is followed there,
     /// and the worker may still be where it was, too.
     fn doubt(&mut self, last: &Sighting, s: &Sighting) -> SourceVerdict {
-        if self.doubted.last().is_some_and(|d| !is_reachable(d, s)) {
+        if self.doubted.last().is_some_and(|d| !self.is_reachable(d, s)) {
             self.doubted.clear();
         }
         self.doubted.push(*s);
@@ -222,6 +218,12 @@ impl SourceTrack {
         }
     }
 
+    /// Whether a worker seen at `a` can be at `b` by its time.
+    fn is_reachable(&self, a: &Sighting, b: &Sighting) -> bool {
+        let time = (b.seen - a.seen).as_secs_f64().max(0.0);
+        (b.at - a.at).norm() <= self.mover.possible_mps() * time + doubt_m(a, b)
+    }
+
     /// The source signs off and will not know any more.
     pub fn sign_off(&mut self, now: Time) {
         if self.newest.is_some() {
@@ -240,14 +242,15 @@ impl SourceTrack {
             _ => Presence::Lost,
         };
         let velocity = self.velocity();
-        let course = (velocity.norm() > 0.3).then(|| velocity.y.atan2(velocity.x));
+        let stands = self.course.filter(|_| self.mover != Mover::OnFoot);
         Some(Whereabouts {
             at: last.at,
             sigma_m: sigma_m(&last),
-            reach_m: reach_m(silent),
+            reach_m: reach_m(&self.mover, velocity.norm(), silent),
             velocity,
-            heading: last.heading.or(course),
+            heading: last.heading.or(course(velocity)).or(stands),
             presence,
+            mover: self.mover,
         })
     }
 
@@ -257,14 +260,17 @@ impl SourceTrack {
         held.filter_map(move |l| {
             let (newest, silent) = (self.newest?, self.silent(now)?);
             // The distance walked since is true, whichever place is.
-            let walked_m = l.reach_m(&newest) + reach_m(silent);
+            let moved_mps = self.velocity().norm();
+            let walked_m = l.reach_m(&newest) + reach_m(&self.mover, moved_mps, silent);
+            let unseen_m = reach_m(&self.mover, self.mover.assumed_mps(), now - l.last.seen);
             Some(Whereabouts {
                 at: l.last.at,
                 sigma_m: sigma_m(&l.last),
-                reach_m: walked_m.min(reach_m(now - l.last.seen)),
+                reach_m: walked_m.min(unseen_m),
                 velocity: Vector::zeros(),
                 heading: None,
                 presence: Presence::Stale,
+                mover: self.mover,
             })
         })
     }
@@ -297,9 +303,10 @@ impl SourceTrack {
         let Some(newest) = self.newest.filter(|_| self.silent(now).is_some_and(|s| s <= STALE)) else {
             return;
         };
-        let is_here = is_near(&newest, witness, 0.0);
-        let is_left = self.left.iter().any(|l| is_near(&l.last, witness, l.reach_m(&newest)));
-        let is_across = self.mirrored().is_some_and(|other| is_near(&other, witness, 0.0));
+        let mover = self.mover;
+        let is_here = is_near(&mover, &newest, witness, 0.0);
+        let is_left = self.left.iter().any(|l| is_near(&mover, &l.last, witness, l.reach_m(&newest)));
+        let is_across = self.mirrored().is_some_and(|other| is_near(&mover, &other, witness, 0.0));
         match (is_here, is_left || is_across) {
             (true, false) => {
                 self.side.is_known = true;
@@ -322,7 +329,7 @@ impl SourceTrack {
     /// Mean velocity over the recent past: the less exact the source, the longer the interval.
     fn velocity(&self) -> Vector {
         let (Some(last), Some((t, at))) = (&self.newest, self.memory.back()) else { return Vector::zeros() };
-        let span = Span::from_secs_f64((0.4 + 4.0 * last.accuracy_m).clamp(0.4, 1.5));
+        let span = Span::from_secs_f64(measured_over_s(last.accuracy_m));
         let old = self.memory.iter().rev().find(|(s, _)| *t - *s >= span).or(self.memory.front());
         match old {
             Some((s, from)) if *t - *s >= Span::from_millis(150) => (at - from) / (*t - *s).as_secs_f64(),
@@ -338,14 +345,14 @@ impl LeftPlace {
     }
 }
 
-/// How far a person may have walked who has been unseen for this long, metres on foot.
-pub(super) fn reach_m(silent: Span) -> f64 {
-    let (t, straight) = (silent.as_secs_f64(), STRAIGHT.as_secs_f64());
-    match silent {
-        s if s <= FRESH => 0.0,
-        s if s <= STRAIGHT => WALK_MPS * t,
-        _ => (WALK_MPS * (straight * t).sqrt()).min(REACH_MOST_M),
-    }
+/// How far a worker may have come who has been unseen for this long, and moved at `moved_mps` before, metres.
+pub(super) fn reach_m(mover: &Mover, moved_mps: f64, silent: Span) -> f64 {
+    if silent <= FRESH { 0.0 } else { mover.unseen_m(moved_mps, silent) }
+}
+
+/// The direction of a movement, if it is one.
+fn course(velocity: Vector) -> Option<f64> {
+    (velocity.norm() > 0.3).then(|| velocity.y.atan2(velocity.x))
 }
 
 /// Standard deviation of a position, metres.
@@ -358,14 +365,8 @@ fn doubt_m(a: &Sighting, b: &Sighting) -> f64 {
     3.0 * (a.accuracy_m + b.accuracy_m) + 0.3
 }
 
-/// Whether a person seen at `a` can be at `b` by its time.
-fn is_reachable(a: &Sighting, b: &Sighting) -> bool {
-    let time = (b.seen - a.seen).as_secs_f64().max(0.0);
-    (b.at - a.at).norm() <= RUN_MPS * time + doubt_m(a, b)
-}
-
 /// Whether two sightings agree, up to `reach_m`, their errors, and a walk between the two moments.
-pub(super) fn is_near(a: &Sighting, b: &Sighting, reach_m: f64) -> bool {
+pub(super) fn is_near(mover: &Mover, a: &Sighting, b: &Sighting, reach_m: f64) -> bool {
     let apart = (b.seen - a.seen).as_secs_f64().abs().min(STALE.as_secs_f64());
-    (b.at - a.at).norm() <= reach_m + WALK_MPS * apart + doubt_m(a, b)
+    (b.at - a.at).norm() <= reach_m + mover.assumed_mps() * apart + doubt_m(a, b)
 }

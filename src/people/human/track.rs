@@ -7,6 +7,7 @@
 //! leads, the most trusted and then the most exact; a source that knows nothing is not missed while another one knows.
 //! Refuses: to guess where anybody is going.
 
+use super::mover::Mover;
 use super::sighting::{Sighting, SourceId};
 use super::source::{HELD, SourceTrack, SourceVerdict, is_near, reach_m};
 use giveway_floor::geometry::{Point, Vector};
@@ -14,8 +15,6 @@ use giveway_floor::time::{Span, Time};
 
 pub use super::source::{LOST, STALE};
 
-/// Walking speed assumed of everybody who might walk, metres per second (ISO 13855).
-pub const WALK_MPS: f64 = 1.6;
 /// How far clocks and predicted display times may be ahead.
 const AHEAD: Span = Span::from_millis(150);
 /// Another source of equal trust takes the lead if it is better by this factor and this many metres more, so that the
@@ -103,6 +102,8 @@ pub struct Whereabouts {
     pub heading: Option<f64>,
     /// How well the position is known.
     pub presence: Presence,
+    /// What the worker moves as.
+    pub mover: Mover,
 }
 
 /// A worker's position from another source than sightings: the journal, or a supervisor.
@@ -128,17 +129,22 @@ pub struct Track {
     remembered: Option<LastKnown>,
     /// When the worker was last cleared or signed off: earlier sightings are ignored.
     ended: Option<Time>,
+    /// What the worker moves as.
+    mover: Mover,
 }
 
 impl LastKnown {
-    fn whereabouts(&self, now: Time) -> Whereabouts {
+    fn whereabouts(&self, mover: Mover, now: Time) -> Whereabouts {
+        // How fast the worker was is not remembered.
+        let unseen_m = || reach_m(&mover, mover.assumed_mps(), (now - self.seen).max(Span::ZERO));
         Whereabouts {
             at: self.at,
             sigma_m: REMEMBERED_M,
-            reach_m: self.within_m.unwrap_or_else(|| reach_m((now - self.seen).max(Span::ZERO))),
+            reach_m: self.within_m.unwrap_or_else(unseen_m),
             velocity: Vector::zeros(),
             heading: None,
             presence: Presence::Lost,
+            mover,
         }
     }
 }
@@ -156,7 +162,20 @@ impl Track {
 
     /// Clears the worker, who has left the floor or for whom a person vouches.
     pub fn clear(&mut self, now: Time) {
+        let mover = self.mover;
         *self = Track { counts: self.counts, ended: Some(now), ..Track::default() };
+        self.move_as(mover);
+    }
+
+    /// Sets what the worker moves as, from now on.
+    pub fn move_as(&mut self, mover: Mover) {
+        self.mover = mover;
+        self.sources.iter_mut().for_each(|source| source.mover = mover);
+    }
+
+    /// What the worker moves as.
+    pub fn mover(&self) -> Mover {
+        self.mover
     }
 
     /// Sets the worker's last known place, which holds until a source knows better.
@@ -214,7 +233,7 @@ impl Track {
             // Another source continues where the previous one was.
             Some(before) if led != s.source => {
                 let reach_m = self.of(led).whereabouts(now).map_or(0.0, |w| w.reach_m);
-                let goes_on = is_near(&before, s, reach_m);
+                let goes_on = is_near(&self.mover, &before, s, reach_m);
                 if goes_on { SightingOutcome::Moved } else { SightingOutcome::Relocated }
             }
             _ => taken,
@@ -266,7 +285,9 @@ impl Track {
     pub fn whereabouts(&self, now: Time) -> Option<Whereabouts> {
         let seen = self.of(self.lead).whereabouts(now);
         match self.remembered {
-            Some(place) if place.within_m.is_some() || seen.is_none() => Some(place.whereabouts(now)),
+            Some(place) if place.within_m.is_some() || seen.is_none() => {
+                Some(place.whereabouts(self.mover, now))
+            }
             _ => seen,
         }
     }
@@ -300,7 +321,7 @@ impl Track {
             };
             // A source that has been silent for long no longer contradicts.
             let is_over = source.silent(now).is_none_or(|s| s > HELD) && knows;
-            if !is_over && !is_near(lead, said, best.reach_m + place.reach_m) {
+            if !is_over && !is_near(&self.mover, lead, said, best.reach_m + place.reach_m) {
                 found.push(place);
             }
         }

@@ -1,10 +1,11 @@
 //! Where a simulated worker enters: at the door, or close to it if another person stands in the door.
 //!
-//! Main function: [`entrance`]. Refuses: to let anybody step out in front of a robot that could not stop.
+//! Main functions: [`entrance`], and [`vehicle_entrance`] for vehicles. Refuses: to let anybody step out in front of a robot that could not stop.
 
 use crate::walker::{APART_M, PersonNear, RobotNear};
 use giveway_floor::geometry::Point;
 use giveway_floor::warehouse::walkway::Walkways;
+use giveway_people::human::Mover;
 
 /// A robot nearer to a door than this keeps a worker from entering, metres.
 const DOOR_M: f64 = 1.5;
@@ -30,6 +31,19 @@ pub(super) fn entrance<'a>(
         return Some(door);
     }
     walkways.standing_places(door, DOOR_M).into_iter().find(|at| is_free(at) && is_clear(at))
+}
+
+/// Where a vehicle enters at a door now; nothing while robots or people are in the way.
+pub(super) fn vehicle_entrance<'a>(
+    door: Point,
+    mover: Mover,
+    mut people: impl Iterator<Item = &'a PersonNear>,
+    robots: &[RobotNear],
+) -> Option<Point> {
+    let body_m = mover.body_m();
+    let keeps = |r: &RobotNear| DOOR_M + body_m + DOOR_S * r.velocity.norm();
+    let is_clear = robots.iter().all(|r| (r.at - door).norm() > keeps(r));
+    (is_clear && people.all(|p| (p.at - door).norm() > DOOR_M + body_m)).then_some(door)
 }
 
 #[cfg(test)]

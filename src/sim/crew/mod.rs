@@ -5,7 +5,9 @@
 //! room `walker`. Refuses: to show the fleet anything but what devices measure.
 
 mod entrance;
+mod member;
 mod pairs;
+mod seen_vehicles;
 mod sensor;
 mod shared_tasks;
 pub(crate) mod workers;

@@ -21,9 +21,9 @@ impl Pairs {
         Pairs((0..count).map(mate).collect())
     }
 
-    /// The other worker of the pair, if there is one.
+    /// The other worker of the pair, if there is one; drivers have none.
     pub fn mate(&self, worker: usize) -> Option<usize> {
-        self.0[worker]
+        self.0.get(worker).copied().flatten()
     }
 
     /// The worker that decides where this one works: the first of the pair, or the worker itself if it has no mate.

@@ -3,70 +3,30 @@
 //! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what any client
 //! may read over the API.
 
-use super::entrance::entrance;
+use super::entrance::{entrance, vehicle_entrance};
+use super::member::{AGAIN, Member, TASKS};
 use super::pairs::{Pairs, next_to};
+use super::seen_vehicles::SeenVehicles;
 use super::sensor::Device;
 use super::shared_tasks::{SharedTasks, unassigned};
 use crate::askers::CREW;
-use crate::link::{Link, LinkFaults};
+use crate::link::LinkFaults;
 use crate::random::Stream;
-use crate::scenario::{Assignments, Faults, Scenario, SecondTag, TaskSharing, Workers};
-use crate::walker::{Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease};
-use giveway_fleet::{
-    Assignment, AssignmentRequest, AssignmentState, Guidance, GuidanceReason, GuidanceState, Input, Ledger,
-    Token, WorkerAction,
-};
+use crate::scenario::{Assignments, Scenario, SecondTag, TaskSharing, Workers};
+use crate::walker::{PersonNear, RobotNear, Walker, WalkerSurroundings, WorkKnowledge, parts};
+use giveway_fleet::{AssignmentRequest, Guidance, Input, Ledger, Token, WorkerAction};
 use giveway_floor::geometry::{Point, Pose};
 use giveway_floor::id::{AssignmentId, NodeId, WorkerId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::walkway::Walkways;
 use giveway_floor::warehouse::{NodeKind, Warehouse};
-use std::collections::BTreeSet;
+use giveway_people::human::Mover;
 use std::sync::Arc;
 
 /// Number of open assignments that each worker always has.
 const AHEAD: u64 = 2;
-/// Purpose of the streams that draw where each worker works, see [`Stream::new`].
-const TASKS: u64 = 20;
-/// Interval between two workers entering.
-const APART: Span = Span::from_secs(3);
 /// A worker who was on the floor before this world began is placed at least this far from robots, metres.
 const BESIDE_M: f64 = 1.0;
-/// Interval after which a lost message is sent again, in either direction.
-const AGAIN: Span = Span::from_millis(300);
-/// Workers who are told that the headset is lost touch marks after this time.
-const TOUCHES_MARKS: Span = Span::from_secs(15);
-
-/// One worker with device and radio.
-#[derive(Debug)]
-struct Member {
-    name: String,
-    id: Option<WorkerId>,
-    enters: Time,
-    /// Where the fleet knew the worker before this world began: that worker never left.
-    stays: Option<Point>,
-    leaves: Time,
-    walker: Option<Walker>,
-    device: Option<Device>,
-    /// The tag that the worker also wears, if any.
-    tag: Option<Device>,
-    tasks: Stream,
-    asked: u64,
-    done: BTreeSet<AssignmentId>,
-    /// The latest guidance for the worker, how often it changed, and when it was last sent.
-    told: Option<(u64, Guidance)>,
-    sent: Time,
-    heard: u64,
-    radio: Link<(u64, Guidance)>,
-    /// The other direction: the assignment that the worker reports as done, and when it last did so.
-    button: Link<AssignmentId>,
-    pressed: Time,
-    /// What the worker may do next, and the places that everybody knows.
-    job: Option<Errand>,
-    known: Vec<Point>,
-    /// Since when the worker has been told that the headset is lost or has a poor position.
-    asked_for_marks: Option<Time>,
-}
 
 /// All simulated workers.
 #[derive(Debug)]
@@ -97,13 +57,31 @@ pub struct TrueWorker {
     pub pose: Pose,
     /// The worker's speed, metres per second.
     pub speed_mps: f64,
+    /// What the worker moves as.
+    pub mover: Mover,
+}
+
+impl TrueWorker {
+    /// Discs of a person's size that cover the worker: what scanners see.
+    pub fn parts(&self) -> Vec<Point> {
+        parts(&self.mover, self.pose)
+    }
+
+    /// The disc among these that is nearest to a place.
+    pub fn part_nearest(&self, to: Point) -> Point {
+        if self.mover == Mover::OnFoot {
+            return self.pose.at;
+        }
+        let far = |p: &Point| (p - to).norm();
+        self.parts().into_iter().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(self.pose.at)
+    }
 }
 
 impl Crew {
     /// The workers of a scenario, all outside; none if the scenario has none or the map has no floor for people.
     pub fn new(warehouse: &Arc<Warehouse>, scenario: &Scenario, seed: u64, now: Time) -> Option<Crew> {
         let workers = scenario.workers.clone();
-        if workers.count == 0 {
+        if workers.all() == 0 {
             return None;
         }
         let walkways = Walkways::of(warehouse);
@@ -116,10 +94,11 @@ impl Crew {
         }
         let fronts = fronts(warehouse, &workers.assignments, &walkways);
         let member = |i: usize| Member::new(i, &workers, &scenario.faults, seed, now);
-        let mut members: Vec<Member> = (0..workers.count).map(member).collect();
+        let mut members: Vec<Member> = (0..workers.all()).map(member).collect();
         let pairs = Pairs::draw(workers.pairs, workers.count, seed);
         for (i, member) in members.iter_mut().enumerate() {
             member.tasks = Stream::new(seed, TASKS, pairs.leader(i) as u64);
+            member.reach(warehouse, &walkways, (&doors, &fronts));
         }
         let places = fronts.iter().map(|n| warehouse.nodes[*n].at).collect();
         let counts = [0; 3];
@@ -188,6 +167,10 @@ impl Crew {
                 inputs.push(self.ask(WorkerAction::Register(name)));
             }
         }
+        let (id, mover) = (self.members[i].id, self.members[i].mover);
+        if let Some(worker) = id.filter(|w| ledger.mover(*w) != mover) {
+            inputs.push(self.ask(WorkerAction::MoveAs(worker, mover)));
+        }
     }
 
     /// Keeps shared assignments open, and takes them back when the last worker leaves.
@@ -223,21 +206,23 @@ impl Crew {
         };
         let member = &self.members[i];
         let shares = self.workers.tasks == TaskSharing::Nearest;
-        if now < member.enters || self.fronts.is_empty() || shares {
+        let fronts = member.fronts.as_ref().unwrap_or(&self.fronts);
+        if now < member.enters || fronts.is_empty() || shares {
             return;
         }
         let open = ledger.assignments.iter();
         let open =
             open.filter(|(id, a)| a.worker == Some(worker) && !member.done.contains(id)).count() as u64;
+        let fronts = fronts.len();
         for _ in open..AHEAD {
             let member = &mut self.members[i];
             let at = match self.workers.assignments {
-                Assignments::List { .. } => member.asked as usize % self.fronts.len(),
-                _ => member.tasks.below(self.fronts.len()),
+                Assignments::List { .. } => member.asked as usize % fronts,
+                _ => member.tasks.below(fronts),
             };
             // Both workers of a pair draw the same places; the second takes the next one.
             let at = if self.pairs.leader(i) == i { at } else { next_to(at, &self.places) };
-            let place = self.fronts[at];
+            let place = member.fronts.as_ref().unwrap_or(&self.fronts)[at];
             member.asked += 1;
             // A world before a restart may have made the same request; the key identifies it.
             let key = Some(format!("{}/{}/{}", member.name, self.seed, member.asked));
@@ -275,21 +260,27 @@ impl Crew {
         let colleagues: Vec<Vec<Point>> = (0..self.members.len()).map(|i| self.colleagues(i, now)).collect();
         let seen = |m: &Member| m.walker.as_ref().filter(|w| !w.is_gone()).map(|w| w.seen(now));
         let mut people: Vec<Option<PersonNear>> = self.members.iter().map(seen).collect();
+        let vehicles = SeenVehicles::of(&self.members, now);
         for (i, member) in self.members.iter_mut().enumerate() {
             member.listen(now);
             let others = || people.iter().flatten().filter(|p| p.who != i);
             if member.walker.is_none() {
-                let door = self.doors[i % self.doors.len()];
+                let doors = member.doors.as_ref().unwrap_or(&self.doors);
+                let Some(door) = doors.get(i % doors.len().max(1)).copied() else { continue };
                 let waits = now >= member.enters && now < member.leaves && member.id.is_some();
                 let beside = |at: &Point| robots.iter().any(|r| (r.at - at).norm() < BESIDE_M);
                 let stays = member.stays.filter(|at| !beside(at));
-                if waits && let Some(at) = stays.or_else(|| entrance(door, &self.walkways, others(), robots))
-                {
+                let enters = || match member.mover {
+                    Mover::OnFoot => entrance(door, &self.walkways, others(), robots),
+                    mover => vehicle_entrance(door, mover, others(), robots),
+                };
+                if waits && let Some(at) = stays.or_else(enters) {
                     member.walker =
                         Some(Walker::new(&self.workers, self.seed, i as u64, at, self.start, now));
                     member.device = Some(Device::new(self.workers.sensor_of(i), self.seed, i as u64, now));
                     let second = |tag: SecondTag| Device::second(tag.sensor(), self.seed, i as u64, now);
-                    member.tag = self.workers.tag.map(second);
+                    let worn = self.workers.tag.filter(|_| member.mover == Mover::OnFoot);
+                    member.tag = worn.map(second);
                     member.heard = 0;
                 }
             }
@@ -299,12 +290,15 @@ impl Crew {
             }
             if now >= member.leaves {
                 let far = |d: &Point| (d - walker.pose(now).at).norm();
-                let door = self.doors.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)));
+                let doors = member.doors.as_ref().unwrap_or(&self.doors);
+                let door = doors.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)));
                 walker.send_home(door.expect("checked in `new`"));
             }
             let job = member.job.filter(|j| !member.done.contains(&j.id));
             let here = walker.way_at();
-            let near: Vec<PersonNear> = others().filter(|p| p.matters_to(here)).copied().collect();
+            let mut near: Vec<PersonNear> = others().filter(|p| p.matters_to(here)).copied().collect();
+            near.retain(|p| !vehicles.is_vehicle(p.who) && member.mover == Mover::OnFoot);
+            let robots = &*vehicles.among(robots, i, others());
             let companion = self.pairs.mate(i).and_then(|mate| people[mate]);
             let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i], companion };
             let around = WalkerSurroundings { walkways: &self.walkways, robots, people: &near };
@@ -350,7 +344,12 @@ impl Crew {
     pub fn present(&self, now: Time) -> impl Iterator<Item = TrueWorker> {
         let walkers = self.members.iter().enumerate().filter_map(|(i, m)| m.walker.as_ref().map(|w| (i, w)));
         let present = walkers.filter(|(_, w)| !w.is_gone());
-        present.map(move |(worker, w)| TrueWorker { worker, pose: w.pose(now), speed_mps: w.speed_mps() })
+        present.map(move |(worker, w)| TrueWorker {
+            worker,
+            pose: w.pose(now),
+            speed_mps: w.speed_mps(),
+            mover: w.mover(),
+        })
     }
 
     /// The truth about each worker who has been on the floor: its number in the fleet, and the walker.
@@ -366,123 +365,6 @@ impl Crew {
 
 fn add(sums: &mut [u64; 3], counts: [u64; 3]) {
     sums.iter_mut().zip(counts).for_each(|(sum, n)| *sum += n);
-}
-
-impl Member {
-    fn new(i: usize, workers: &Workers, faults: &Faults, seed: u64, now: Time) -> Member {
-        let who = i as u64;
-        let link = |purpose, delays| (Stream::new(seed, purpose, who), Stream::new(seed, delays, who));
-        let (radio, button) = (link(21, 23), link(22, 24));
-        let enters = now + Span::from_secs_f64(workers.enter_s) + APART * i as i64;
-        Member {
-            name: format!("worker-{}", i + 1),
-            id: None,
-            enters,
-            stays: None,
-            leaves: workers.leave_s.map_or(Time::MAX, |s| now + Span::from_secs_f64(s)),
-            walker: None,
-            device: None,
-            tag: None,
-            tasks: Stream::new(seed, TASKS, who),
-            asked: 0,
-            done: BTreeSet::new(),
-            told: None,
-            sent: now,
-            heard: 0,
-            radio: Link::new(faults.into(), radio.0, radio.1),
-            button: Link::new(faults.into(), button.0, button.1),
-            pressed: now,
-            job: None,
-            known: Vec::new(),
-            asked_for_marks: None,
-        }
-    }
-
-    /// Workers who have been told for a while that the headset is lost touch marks again.
-    fn touch_marks(&mut self, now: Time) {
-        if self.asked_for_marks.is_some_and(|since| now - since >= TOUCHES_MARKS) {
-            self.asked_for_marks = None;
-            self.device.iter_mut().for_each(Device::begin_frame);
-        }
-    }
-
-    /// Receives guidance from the radio, and asks for guidance that was lost.
-    fn listen(&mut self, now: Time) {
-        if let Some((number, _)) = &self.told
-            && *number > self.heard
-            && now - self.sent >= AGAIN
-        {
-            self.sent = now;
-            self.radio.send(now, self.told.clone().expect("just seen"));
-        }
-        while let Some((number, guidance)) = self.radio.receive(now) {
-            if number > self.heard {
-                self.heard = number;
-                if let Some(walker) = &mut self.walker {
-                    walker.hear(now, shown(&guidance));
-                }
-                let asked = matches!(
-                    guidance.reason,
-                    Some(GuidanceReason::NotTracked | GuidanceReason::PlaceUnsure(_))
-                );
-                self.asked_for_marks = asked.then(|| self.asked_for_marks.unwrap_or(now));
-            }
-        }
-    }
-
-    /// Looks up the next errand of each worker.
-    fn look_up(&mut self, ledger: &Ledger, doors: &[Point], walkways: &Walkways) {
-        self.job = self.next_job(ledger, walkways);
-        let Some(worker) = self.id else { return };
-        let mine = ledger.assignments.values().filter(|a| a.worker == Some(worker));
-        let places = mine.map(|a| ledger.warehouse().nodes[a.request.place].at);
-        self.known = doors.iter().copied().chain(places.filter_map(|p| stand(p, walkways))).collect();
-    }
-
-    /// A worker's next errand: the one that the device shows, or else the first one not done.
-    fn next_job(&self, ledger: &Ledger, walkways: &Walkways) -> Option<Errand> {
-        let worker = self.id?;
-        let all = &ledger.assignments;
-        // A worker who is told to leave or to wait outside looks for no work.
-        let reason = self.told.as_ref().and_then(|(_, g)| g.reason);
-        if matches!(
-            reason,
-            Some(
-                GuidanceReason::Evacuation
-                    | GuidanceReason::LeavesClosure(_)
-                    | GuidanceReason::PlaceClosed(_)
-            )
-        ) {
-            return None;
-        }
-        let shown = self.told.as_ref().and_then(|(_, g)| g.assignment);
-        let is_open = |id: &AssignmentId, a: &Assignment| {
-            a.worker == Some(worker) && !a.state.is_over() && !self.done.contains(id)
-        };
-        let shown = shown.and_then(|id| all.get_key_value(&id)).filter(|(id, a)| is_open(id, a));
-        let at_work = |a: &Assignment| a.state != AssignmentState::Waiting;
-        let first = || all.iter().find(|(id, a)| is_open(id, a) && at_work(a));
-        let any = || all.iter().find(|(id, a)| is_open(id, a));
-        let (id, assignment) = shown.or_else(first).or_else(any)?;
-        let place = ledger.warehouse().nodes[assignment.request.place].at;
-        let at = stand(place, walkways)?;
-        Some(Errand { id: *id, at, stay: assignment.request.stay })
-    }
-}
-
-fn shown(g: &Guidance) -> Shown {
-    Shown {
-        version: g.version,
-        path: g.path.clone(),
-        redirected: g.state == GuidanceState::Redirected,
-        stop: g.state == GuidanceState::Stop,
-        leave: matches!(g.reason, Some(GuidanceReason::Evacuation | GuidanceReason::LeavesClosure(_))),
-    }
-}
-
-/// Where a person stands to reach a place.
-fn stand(place: Point, walkways: &Walkways) -> Option<Point> {
-    walkways.on_floor(place).map(|p| ease(p, walkways))
 }
 
 /// Nodes with work for people: storage places that can be reached on foot, or those that the scenario names.
@@ -503,7 +385,7 @@ fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Sensor;
+    use crate::scenario::{Faults, Sensor};
     use giveway_fleet::{Fleet, Request, Settings};
     use giveway_floor::geometry::Vector;
     use giveway_floor::warehouse::thesis;

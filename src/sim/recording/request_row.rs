@@ -18,6 +18,7 @@ use giveway_floor::id::{
     AssignmentId, ClosureId, CustomerId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
 use giveway_floor::time::{Span, Time, Window};
+use giveway_people::human::{Mover, Vehicle};
 use serde::{Deserialize, Serialize};
 
 /// Number of low bits of a token; the asker is above them.
@@ -49,6 +50,8 @@ pub(super) enum RequestRow {
     Cancel(u64, u64),
     #[serde(rename = "hire")]
     RegisterWorker(u64, String),
+    /// Token, worker, the figures of the worker's vehicle in whole millimetres.
+    MoveAs(u64, u32, Option<[i64; 6]>),
     ForgetWorker(u64, u32),
     Clear(u64, u32),
     ClearedBy(u64, u32, String),
@@ -221,6 +224,11 @@ impl RequestRow {
             }
             RequestRow::Cancel(token, job) => ask(token, JobAction::Cancel(JobId(job)).into()),
             RequestRow::RegisterWorker(token, name) => ask(token, WorkerAction::Register(name).into()),
+            RequestRow::MoveAs(token, worker, figures) => {
+                let vehicle = figures.and_then(Vehicle::of_whole_mm);
+                let mover = vehicle.map_or(Mover::OnFoot, Mover::Vehicle);
+                ask(token, WorkerAction::MoveAs(WorkerId(worker), mover).into())
+            }
             RequestRow::ForgetWorker(token, worker) => {
                 ask(token, WorkerAction::Forget(WorkerId(worker)).into())
             }
@@ -325,6 +333,10 @@ fn asked_of_robot(token: u64, action: &RobotAction) -> RequestRow {
 fn asked_of_worker(token: u64, action: &WorkerAction) -> RequestRow {
     match action {
         WorkerAction::Register(name) => RequestRow::RegisterWorker(token, name.clone()),
+        WorkerAction::MoveAs(worker, Mover::OnFoot) => RequestRow::MoveAs(token, worker.0, None),
+        WorkerAction::MoveAs(worker, Mover::Vehicle(vehicle)) => {
+            RequestRow::MoveAs(token, worker.0, Some(vehicle.whole_mm()))
+        }
         WorkerAction::Forget(worker) => RequestRow::ForgetWorker(token, worker.0),
         WorkerAction::Clear { worker, by } => RequestRow::ClearedBy(token, worker.0, by.clone()),
         WorkerAction::Narrow { worker, by, at, within_mm } => RequestRow::Narrow(NarrowRow {

@@ -19,6 +19,7 @@ use giveway_floor::id::{NodeId, RackId, RobotId};
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::{Corridor, Footprint, Warehouse};
+use giveway_people::human::Mover;
 use std::collections::VecDeque;
 
 /// Longest step of integration, seconds.
@@ -135,9 +136,16 @@ impl RobotBody {
         &self.footprints[usize::from(self.rack.is_some())]
     }
 
-    /// Whether the robot's outline touches a person.
-    pub fn touches(&self, person: Point) -> bool {
-        self.footprint().at(self.pose).distance_to(person) <= BODY_M
+    /// Whether the robot's outline touches a person, or the outline of the person's vehicle.
+    pub fn touches(&self, mover: &Mover, person: Pose) -> bool {
+        let robot = self.footprint().at(self.pose);
+        match mover {
+            Mover::OnFoot => robot.distance_to(person.at) <= BODY_M,
+            Mover::Vehicle(vehicle) => {
+                let corners = vehicle.outline(Pose { at: Point::origin(), ..person }).to_vec();
+                robot.overlaps(&Footprint::Polygon { corners, turns: false }.at(person), 0.0)
+            }
+        }
     }
 
     /// Puts the robot in the ledger's state after a restart of the simulation.

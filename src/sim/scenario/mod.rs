@@ -9,6 +9,7 @@ mod evacuations;
 mod faults;
 mod habits;
 mod shares;
+mod vehicles;
 mod workforce;
 
 pub use cells::{HandSensor, HandSide, LineDemand, PickerHabits, SeenGaze, WorkCells};

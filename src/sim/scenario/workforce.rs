@@ -3,8 +3,9 @@
 //! Main types: [`Workers`], [`Assignments`], [`Deviations`], [`Rates`], [`Sensor`], [`Personas`]. Refuses: impossible
 //! numbers, and to simulate anybody.
 
+use super::vehicles::DrivenVehicle;
 use giveway_people::aware::NodeWindows;
-use giveway_people::human::Method;
+use giveway_people::human::{Method, Mover};
 use giveway_site::{SiteError, check, words};
 use serde::Deserialize;
 
@@ -12,8 +13,10 @@ use serde::Deserialize;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Workers {
-    /// Number of workers.
+    /// Number of workers on foot.
     pub count: usize,
+    /// Vehicles with a driver, besides the workers on foot.
+    pub vehicles: Vec<DrivenVehicle>,
     /// When the first worker enters by a door, seconds; the others follow, three seconds apart.
     pub enter_s: f64,
     /// When the workers go to a door and leave, seconds; absent for never.
@@ -273,10 +276,10 @@ impl SecondTag {
         }
     }
 
-    fn check(&self) -> Result<(), SiteError> {
-        check("workers.tag.accuracy_m", self.accuracy_m, 0.0..=5.0, "from 0 to 5")?;
-        check("workers.tag.period_s", self.period_s, 0.02..=2.0, "from 0.02 to 2")?;
-        check("workers.tag.delay_ms", self.delay_ms, 0.0..=5000.0, "from 0 to 5000")
+    pub(super) fn check(&self, of: &str) -> Result<(), SiteError> {
+        check(&format!("{of}.accuracy_m"), self.accuracy_m, 0.0..=5.0, "from 0 to 5")?;
+        check(&format!("{of}.period_s"), self.period_s, 0.02..=2.0, "from 0.02 to 2")?;
+        check(&format!("{of}.delay_ms"), self.delay_ms, 0.0..=5000.0, "from 0 to 5000")
     }
 }
 
@@ -304,6 +307,7 @@ impl Default for Workers {
     fn default() -> Workers {
         Workers {
             count: 0,
+            vehicles: Vec::new(),
             enter_s: 0.0,
             leave_s: None,
             assignments: Assignments::Random { stay_s: 15.0 },
@@ -347,7 +351,9 @@ impl Workers {
         check("workers.personas", shares.iter().sum(), 0.999..=1.001, "shares that add up to 1")?;
         self.deviations.causes.rates().check()?;
         self.sensor.check("workers.sensor")?;
-        self.tag.map_or(Ok(()), |tag| tag.check())?;
+        self.tag.map_or(Ok(()), |tag| tag.check("workers.tag"))?;
+        check("workers.vehicles", self.vehicles.len() as f64, 0.0..=50.0, "0 to 50 vehicles")?;
+        self.vehicles.iter().try_for_each(DrivenVehicle::check)?;
         self.check_liars()
     }
 
@@ -366,8 +372,22 @@ impl Workers {
         }
     }
 
+    /// Number of all workers: those on foot, then those in vehicles.
+    pub fn all(&self) -> usize {
+        self.count + self.vehicles.len()
+    }
+
+    /// What worker number `i` moves as.
+    pub(crate) fn mover_of(&self, i: usize) -> Mover {
+        let driven = i.checked_sub(self.count).and_then(|k| self.vehicles.get(k));
+        driven.map_or(Mover::OnFoot, |driven| Mover::Vehicle(driven.vehicle()))
+    }
+
     /// How the device of worker number `i` sees the worker.
     pub(crate) fn sensor_of(&self, i: usize) -> Sensor {
+        if let Some(driven) = i.checked_sub(self.count).and_then(|k| self.vehicles.get(k)) {
+            return driven.tag.sensor();
+        }
         self.liar_sensor.filter(|_| i < self.liars).unwrap_or(self.sensor)
     }
 }

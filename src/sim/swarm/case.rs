@@ -107,6 +107,8 @@ swarm_parts! {
     Fleet = "fleet",
     /// Robots of some kind lack abilities that others have.
     Abilities = "abilities",
+    /// People drive vehicles.
+    Vehicles = "vehicles",
 }
 
 impl SwarmPart {

@@ -37,6 +37,7 @@ const STOPS: u64 = 109;
 const HOST: u64 = 110;
 const LINKS: u64 = 111;
 const ABILITIES: u64 = 112;
+const VEHICLES: u64 = 113;
 
 /// The setup that a case runs.
 #[derive(Clone, Debug)]
@@ -112,7 +113,10 @@ fn file(case: &SwarmCase, warehouse: &Warehouse, (robots, places): (usize, usize
     wrong["link_outages_per_hour"] = json!(if case.has(SwarmPart::Links) { outages } else { 0.0 });
     put("faults", wrong);
     put("closures", closures(case, seconds, warehouse, &mut stream(CLOSURES)));
-    put("workers", people(case, seconds, &mut stream(PEOPLE), &mut stream(SENSORS)));
+    let mut crew = people(case, seconds, &mut stream(PEOPLE), &mut stream(SENSORS));
+    crew["vehicles"] =
+        if case.has(SwarmPart::Vehicles) { vehicles(&mut stream(VEHICLES)) } else { json!([]) };
+    put("workers", crew);
     if case.has(SwarmPart::Fleet)
         && let Some((key, value)) = kinds(warehouse, case.robots.unwrap_or(robots), &mut stream(KINDS))
     {
@@ -349,6 +353,25 @@ fn people(case: &SwarmCase, seconds: f64, random: &mut Stream, sensors: &mut Str
             "yields": shares[0], "hurries": shares[1], "freezes": shares[2], "cuts_through": shares[3],
         },
     })
+}
+
+/// Vehicles with a driver, on some floors: from pallet stackers to trucks that fit on wide roads only. On a floor where
+/// a vehicle gets to no door, it stays outside.
+fn vehicles(random: &mut Stream) -> Value {
+    let count = if random.happens_of(0.25) { 1 + random.below(2) } else { 0 };
+    let vehicle = |random: &mut Stream| {
+        let length_m = random.between(1.2, 3.0);
+        json!({
+            "length_m": length_m,
+            "width_m": random.between(0.7, 1.2),
+            "behind_m": random.between(0.2, 0.8) * length_m,
+            "speed_mps": random.between(1.0, 4.0),
+            "accel_mps2": random.between(0.5, 1.5),
+            "brake_mps2": random.between(1.5, 3.0),
+            "tag": {"accuracy_m": random.between(0.02, 0.3), "period_s": random.between(0.1, 0.5)},
+        })
+    };
+    json!((0..count).map(|_| vehicle(random)).collect::<Vec<_>>())
 }
 
 /// A device: sometimes a good one, else a bad one; one with large drift or rotation reports wrong places.

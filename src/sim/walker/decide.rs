@@ -4,14 +4,15 @@
 
 use super::cause::WalkCause;
 use super::impulse::{Impulse, ImpulseKind};
-use super::legs::{RobotNear, WalkerSurroundings};
+use super::legs::{Legs, RobotNear, WalkerSurroundings};
 use super::person::BODY_M;
 use super::persona::Persona;
 use super::{Aside, Errand, Shown, Walker, WalkerDoing, WorkKnowledge};
 use giveway_floor::geometry::{Point, Segment};
-use giveway_floor::id::{Dense, WalkNodeId};
+use giveway_floor::id::{Dense, WalkEdgeId, WalkNodeId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::walkway::{EdgeSet, WalkPath, Walkways};
+use giveway_people::human::Mover;
 
 /// A walker this near to the place of a job can work, metres.
 const AT_WORK_M: f64 = 0.6;
@@ -76,12 +77,12 @@ impl Walker {
             self.ignored = ignores.then_some(shown.version);
             match self.doing {
                 WalkerDoing::Job { goal, until: None, .. } if !ignores && leads_to(&shown, goal) => {
-                    self.legs.set_off(join(self.legs.at, &shown.path, walkways), walkways);
+                    self.legs.set_off(join(&self.legs, &shown.path, walkways), walkways);
                 }
                 WalkerDoing::Wander(_) if !ignores => self.doing = WalkerDoing::Duty,
                 WalkerDoing::Leave(_) if !ignores && !shown.path.is_empty() => {
                     let goal = shown.path[shown.path.len() - 1];
-                    self.legs.set_off(join(self.legs.at, &shown.path, walkways), walkways);
+                    self.legs.set_off(join(&self.legs, &shown.path, walkways), walkways);
                     self.aside = Some(Aside { goal, stay: MAKES_ROOM, until: None });
                 }
                 _ => {}
@@ -154,6 +155,8 @@ impl Walker {
         let seconds = if self.traits.persona == Persona::Freezes { 8 } else { 3 };
         match self.traits.persona {
             Persona::CutsThrough => return,
+            // A driver stops.
+            Persona::Yields if self.legs.vehicle.is_some() => {}
             Persona::Yields => {
                 let goal = beside(here, robot, around);
                 self.aside = goal.map(|goal| Aside { goal, stay: Span::from_secs(3), until: None });
@@ -178,6 +181,11 @@ impl Walker {
         };
         if told_to_stand || stands || now < self.pause_until {
             return 0.0;
+        }
+        if let Some(vehicle) = self.legs.vehicle {
+            let top = vehicle.figures().speed_mps;
+            let hurries = matches!(self.doing, WalkerDoing::Job { cause: WalkCause::Help, .. });
+            return if hurries { top } else { usual };
         }
         match self.doing {
             WalkerDoing::Job { cause: WalkCause::Help, .. } => 1.5 * usual,
@@ -231,7 +239,7 @@ impl Walker {
         let version = shown.map(|s| s.version);
         let fresh = version.is_some() && version != self.followed && version != self.ignored;
         if let Some(shown) = shown.filter(|_| fresh) {
-            let points = join(self.legs.at, &shown.path, around.walkways);
+            let points = join(&self.legs, &shown.path, around.walkways);
             self.legs.set_off(points, around.walkways);
             (self.followed, self.detour) = (version, false);
         }
@@ -265,7 +273,15 @@ impl Walker {
             self.legs.route.clear();
             return true;
         }
-        let none = around.walkways.no_edges();
+        let goal = match self.legs.vehicle {
+            // A driver stops where the vehicle fits.
+            Some(_) => match around.walkways.stand_near(goal, self.legs.wall_m()) {
+                Some(stand) => stand,
+                None => return false,
+            },
+            None => goal,
+        };
+        let none = self.legs.too_narrow(around.walkways);
         match around.walkways.path(self.legs.at, goal, cut.unwrap_or(&none)) {
             Some(path) => {
                 self.legs.set_off(path.points.into_iter().skip(1), around.walkways);
@@ -278,8 +294,12 @@ impl Walker {
     /// The next place of a walk without a goal.
     fn stroll(&mut self, walkways: &Walkways) {
         let Some((here, _)) = walkways.nearest(self.legs.at) else { return };
-        let links = walkways.links(here);
-        let Some((_, next)) = links.get(self.strolls.below(links.len().max(1))) else { return };
+        let wide = |e: WalkEdgeId| {
+            self.legs.vehicle.is_none() || walkways.edges()[e].clearance_m >= self.legs.wall_m()
+        };
+        let links: Vec<WalkNodeId> =
+            walkways.links(here).iter().filter(|(e, _)| wide(*e)).map(|(_, next)| *next).collect();
+        let Some(next) = links.get(self.strolls.below(links.len().max(1))) else { return };
         self.legs.route.extend([walkways.nodes()[here].at, walkways.nodes()[*next].at]);
     }
 
@@ -333,7 +353,7 @@ impl Walker {
             return;
         }
         self.blocked_since = None;
-        let cut = cut_by_robots(self.legs.at, around);
+        let cut = cut_by_robots(&self.legs, around);
         let target = match self.doing {
             WalkerDoing::Job { goal, .. } => Some(goal),
             WalkerDoing::Leave(door) => Some(door),
@@ -358,7 +378,8 @@ fn leads_to(shown: &Shown, goal: Point) -> bool {
 }
 
 /// The route from a place onto a path and along it.
-fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
+fn join(legs: &Legs, path: &[Point], walkways: &Walkways) -> Vec<Point> {
+    let at = legs.at;
     let nearest = |s: &[Point]| {
         let piece = Segment { a: s[0], b: s[s.len() - 1] };
         let d = piece.b - piece.a;
@@ -371,7 +392,7 @@ fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
     let Some(i) = (0..pieces.len()).min_by(|a, b| far(a).total_cmp(&far(b))) else { return Vec::new() };
     let mut points = Vec::new();
     if !walkways.sees(at, pieces[i]) || far(&i) > 2.5 {
-        let own = walkways.path(at, pieces[i], &walkways.no_edges());
+        let own = walkways.path(at, pieces[i], &legs.too_narrow(walkways));
         points.extend(own.into_iter().flat_map(|p| p.points.into_iter().skip(1)));
     }
     points.push(pieces[i]);
@@ -380,10 +401,12 @@ fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
 }
 
 /// Walkways that robots nearby stand or drive on, except the one that the walker stands on, so that it can go back.
-fn cut_by_robots(at: Point, around: &WalkerSurroundings<'_>) -> EdgeSet {
-    let mut cut = around.walkways.no_edges();
+fn cut_by_robots(legs: &Legs, around: &WalkerSurroundings<'_>) -> EdgeSet {
+    let at = legs.at;
+    let body_m = legs.vehicle.map_or(BODY_M, |vehicle| Mover::Vehicle(vehicle).half_width_m());
+    let mut cut = legs.too_narrow(around.walkways);
     for r in around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M) {
-        for e in around.walkways.edges_within(r.at, r.half_m + BODY_M) {
+        for e in around.walkways.edges_within(r.at, r.half_m + body_m) {
             if around.walkways.segment(e).distance_to(at) > HERE_M {
                 cut.insert(e);
             }

@@ -7,7 +7,8 @@
 use super::person::{BODY_M, PersonNear, SQUEEZE_M, SWAY_M};
 use giveway_floor::geometry::{Point, Vector, wrap_angle};
 use giveway_floor::time::Time;
-use giveway_floor::warehouse::walkway::Walkways;
+use giveway_floor::warehouse::walkway::{EdgeSet, Walkways};
+use giveway_people::human::{Mover, Vehicle};
 use nalgebra::Rotation2;
 use std::collections::VecDeque;
 
@@ -131,6 +132,9 @@ pub struct Legs {
     pub(super) beside_m: Option<f64>,
     cut_m: f64,
     phase: f64,
+    /// The vehicle, if the walker drives one, and whether it drives backwards.
+    pub(super) vehicle: Option<Vehicle>,
+    pub(super) is_reversing: bool,
 }
 
 impl Legs {
@@ -151,16 +155,37 @@ impl Legs {
             beside_m: None,
             cut_m,
             phase,
+            vehicle: None,
+            is_reversing: false,
+        }
+    }
+
+    /// Distance of the walker's middle from walls, where there is room, metres.
+    pub(super) fn wall_m(&self) -> f64 {
+        self.vehicle.map_or(WALL_M, |vehicle| Mover::Vehicle(vehicle).clearance_m())
+    }
+
+    /// The walkways on which the walker does not fit.
+    pub(super) fn too_narrow(&self, walkways: &Walkways) -> EdgeSet {
+        match self.vehicle {
+            Some(_) => walkways.edges_narrower_than(self.wall_m()),
+            None => walkways.no_edges(),
         }
     }
 
     /// Sets off along these points.
     pub fn set_off(&mut self, points: impl IntoIterator<Item = Point>, walkways: &Walkways) {
-        self.route = points.into_iter().map(|p| ease(p, walkways)).collect();
+        self.route = match self.vehicle {
+            Some(_) => points.into_iter().collect(),
+            None => points.into_iter().map(|p| ease(p, walkways)).collect(),
+        };
     }
 
     /// Position of the trunk, which sways while walking.
     pub fn trunk(&self, now: Time) -> Point {
+        if self.vehicle.is_some() {
+            return self.at;
+        }
         let swing = (std::f64::consts::TAU * SWAY_HZ * now.as_secs_f64() + self.phase).sin();
         let side = Vector::new(-self.heading.sin(), self.heading.cos());
         self.at + side * (SWAY_M * swing * (self.speed_mps / 0.8).min(1.0))
@@ -170,6 +195,9 @@ impl Legs {
     pub fn walk(&mut self, dt: f64, wanted: f64, foresight: f64, around: &WalkerSurroundings<'_>) {
         (self.blocked, self.blocked_by_moving, self.kept_by) = (false, false, None);
         self.pass_corners(around.walkways);
+        if let Some(vehicle) = self.vehicle {
+            return self.drive(&vehicle, dt, wanted, foresight, around);
+        }
         let among = around.people.iter().any(|p| p.matters_to(self.at));
         while among && self.can_skip(around.walkways) {
             self.route.pop_front();
@@ -240,12 +268,14 @@ impl Legs {
     }
 
     /// Drops points that are reached, and corners that can be cut.
-    fn pass_corners(&mut self, walkways: &Walkways) {
+    pub(super) fn pass_corners(&mut self, walkways: &Walkways) {
         while let Some(&next) = self.route.front() {
             let far = (next - self.at).norm();
             let cut_m = self.beside_m.map_or(self.cut_m, |aside| self.cut_m.max(2.0 * aside.abs()));
-            let cut =
-                self.route.get(1).is_some_and(|then| far < cut_m && roomy(self.at, *then, WALL_M, walkways));
+            let cut = self
+                .route
+                .get(1)
+                .is_some_and(|then| far < cut_m && roomy(self.at, *then, self.wall_m(), walkways));
             if !cut && far >= THERE_M {
                 break;
             }

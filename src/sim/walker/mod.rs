@@ -8,6 +8,7 @@
 mod cause;
 mod crossing;
 mod decide;
+mod driving;
 mod impulse;
 mod legs;
 mod pass;
@@ -21,6 +22,7 @@ mod tests;
 mod tests_people;
 
 pub use cause::{CauseStretch, Log, WalkCause};
+pub use driving::parts;
 pub use legs::{RobotNear, WalkerSurroundings, ease};
 pub use person::{APART_M, BODY_M, PersonNear};
 pub use persona::Traits;
@@ -30,6 +32,7 @@ use crate::scenario::Workers;
 use giveway_floor::geometry::{Point, Pose, Vector};
 use giveway_floor::id::AssignmentId;
 use giveway_floor::time::{Span, Time};
+use giveway_people::human::Mover;
 use impulse::Impulses;
 use legs::Legs;
 use std::collections::VecDeque;
@@ -150,9 +153,15 @@ impl Walker {
         let mut impulses = Impulses::new(&workers.deviations, seed, who, start);
         // Impulses from before the walker entered are dropped.
         while impulses.due(now).is_some() {}
+        let mover = workers.mover_of(who as usize);
+        let traits = if mover == Mover::OnFoot { traits } else { traits.at_the_wheel(mover) };
+        let mut legs = Legs::new(at, traits.cut_m, traits.phase);
+        if let Mover::Vehicle(vehicle) = mover {
+            legs.vehicle = Some(vehicle);
+        }
         Walker {
             finished: Vec::new(),
-            legs: Legs::new(at, traits.cut_m, traits.phase),
+            legs,
             doing: WalkerDoing::Duty,
             impulses,
             heeds: Stream::new(seed, 31, who),
@@ -204,7 +213,12 @@ impl Walker {
         self.notice(now, around, work);
         self.decide(now, around, work);
         let foresight = self.traits.foresight_s();
-        let wanted = self.pace_for_robots(now, dt, self.wanted_mps(now), around);
+        let wanted = self.wanted_mps(now);
+        // A driver looks along the way for what crosses it (`driving.rs`).
+        let wanted = match self.legs.vehicle {
+            Some(_) => wanted,
+            None => self.pace_for_robots(now, dt, wanted, around),
+        };
         let wanted = self.pace_with(work.companion, wanted);
         let before = self.legs.at;
         self.legs.is_kept = self.kept_since.is_some_and(|(since, _)| now - since > SQUEEZES);
@@ -221,7 +235,8 @@ impl Walker {
 
     /// The walker's true position, and where its head faces.
     pub fn pose(&self, now: Time) -> Pose {
-        Pose { at: self.legs.trunk(now), heading: self.legs.heading + self.head_turn(now) }
+        let turns = if self.legs.vehicle.is_some() { 0.0 } else { self.head_turn(now) };
+        Pose { at: self.legs.trunk(now), heading: self.legs.heading + turns }
     }
 
     /// The walker as other walkers see it.
@@ -236,6 +251,16 @@ impl Walker {
             kept: self.kept_since.is_some_and(|(since, _)| now - since > KEPT),
             usual_mps: self.traits.speed_mps,
         }
+    }
+
+    /// What the walker moves as.
+    pub fn mover(&self) -> Mover {
+        self.legs.vehicle.map_or(Mover::OnFoot, Mover::Vehicle)
+    }
+
+    /// The walker's true velocity, metres per second.
+    pub fn velocity(&self) -> Vector {
+        self.velocity
     }
 
     /// The walker's true position on its way, without the sway of its trunk.

@@ -6,6 +6,7 @@
 use crate::random::Stream;
 use crate::scenario::Personas;
 use giveway_floor::time::Span;
+use giveway_people::human::Mover;
 
 /// How a walker responds to a robot that comes nearer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -58,6 +59,13 @@ impl Traits {
             cut_m: random.between(0.1, 0.5),
             phase: random.between(0.0, std::f64::consts::TAU),
         }
+    }
+
+    /// The same person at the wheel of a vehicle: as much faster than others as on foot, and never faster than the
+    /// vehicle.
+    pub(super) fn at_the_wheel(self, mover: Mover) -> Traits {
+        let speed_mps = self.speed_mps / Mover::OnFoot.usual_mps() * mover.usual_mps();
+        Traits { speed_mps: speed_mps.min(mover.fastest_mps()), ..self }
     }
 
     /// How far ahead in time the walker considers where a robot is going, seconds.

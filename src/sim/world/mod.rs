@@ -47,6 +47,8 @@ use std::sync::Arc;
 
 /// Robots of the scenario join with this token.
 const JOINS: Token = Token { asker: ROBOTS, number: 0 };
+/// How far the corners of a vehicle reach beyond the discs that cover it, metres.
+const CORNERS_M: f64 = 0.15;
 /// Longest step in which robots and people are advanced together.
 const TICK: Span = Span::from_millis(20);
 
@@ -500,15 +502,17 @@ impl World {
         let robots: Vec<RobotNear> = self.robots.iter().filter(|r| !r.off).map(near).collect();
         crew.tick(to, (to - from).as_secs_f64(), &robots);
         let people: Vec<TrueWorker> = crew.present(to).collect();
-        let places: Vec<Point> = people.iter().map(|p| p.pose.at).collect();
+        let places: Vec<Point> = people.iter().flat_map(TrueWorker::parts).collect();
         self.meter.pass_time(people.len(), &robots, to - from);
         for (robot, near) in self.robots.iter_mut().filter(|r| !r.off).zip(&robots) {
             self.beside.scan(&mut robot.body, to, near.half_m, &places);
             let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
             for p in &people {
-                let person = MeteredPerson { worker: p.worker, at: p.pose.at, speed_mps: p.speed_mps };
+                // Of a vehicle, the part counts that is nearest to the robot.
+                let at = p.part_nearest(near.at);
+                let person = MeteredPerson { worker: p.worker, at, speed_mps: p.speed_mps };
                 self.meter.look(id, near, &person);
-                let touches = near.gap(p.pose.at) <= 0.0 && robot.body.touches(p.pose.at);
+                let touches = near.gap(at) <= CORNERS_M && robot.body.touches(&p.mover, p.pose);
                 self.meter.touch(id, p.worker, touches, speed, brakes);
             }
         }

@@ -22,6 +22,7 @@ export const ACTS = [
   'cancel_task',
   'finish_task',
   'register_worker',
+  'change_worker',
   'clear_worker',
   'narrow_worker',
   'sign_off',

@@ -93,6 +93,7 @@ const BLANK_STATION: Station = { id: '', robot: null, queue: [], served: 0, pick
 const BLANK_WORKER: Worker = {
   id: '',
   name: '',
+  vehicle: null,
   presence: 'absent',
   x: null,
   y: null,

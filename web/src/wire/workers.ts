@@ -10,9 +10,21 @@ export interface Goal {
   /** Probability. */
   p: number;
 }
+/** A vehicle that somebody drives: metres, and metres per second. The worker's place is that of its tag. */
+export interface Vehicle {
+  length_m: number;
+  width_m: number;
+  /** From the tag to the rear end. */
+  behind_m: number;
+  speed_mps: number;
+  accel_mps2: number;
+  brake_mps2: number;
+}
 export interface Worker {
   id: string;
   name: string;
+  /** null on foot. */
+  vehicle: Vehicle | null;
   presence: Presence;
   /** null while the worker has not been seen. */
   x: number | null;

@@ -6,6 +6,7 @@ use crate::access::caller::Role;
 use crate::dto::names::{Names, Page};
 use crate::dto::people::{EpisodeDto, SensesDto, WorkerDetailDto, WorkerDto};
 use crate::dto::refusal::refused;
+use crate::dto::vehicle::{NewVehicle, VehicleDto};
 use crate::http::shared::paging::{Paging, is_wanted, page, read_words, refuse_wrong};
 use crate::state::api::Api;
 use crate::state::called::Called;
@@ -20,6 +21,7 @@ use giveway_fleet::{Ask, Made};
 use giveway_floor::id::{Dense, WorkerId};
 use giveway_floor::text::sentence::requests;
 use giveway_floor::text::{Sentence, name_fault};
+use giveway_people::human::Mover;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -34,6 +36,18 @@ pub struct NewWorker {
     /// worker by a pseudonym. For MassRobotics reports, the uuid.
     #[schema(example = "picker-7")]
     name: String,
+    /// The vehicle that the worker drives, such as a forklift; absent for a worker on foot. A worker who is registered
+    /// already then drives this vehicle.
+    vehicle: Option<NewVehicle>,
+}
+
+/// What changes about a worker.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChangedWorker {
+    /// The vehicle that the worker drives from now on; null if the worker goes on foot.
+    #[serde(deserialize_with = "Option::deserialize")]
+    vehicle: Option<NewVehicle>,
 }
 
 /// A worker in a list, without pace and probable goals: side by side, these would reveal how people work. Robots need
@@ -46,6 +60,8 @@ pub struct ListedWorkerDto {
     /// The name under which the worker was registered, for callers who may see names (docs/secure.md); for others, a
     /// pseudonym such as `worker-3f2a`.
     pub name: String,
+    /// The vehicle that the worker drives; null on foot.
+    pub vehicle: Option<VehicleDto>,
     /// Whether the worker is on the floor, and how well the position is known.
     pub presence: PresenceDto,
     /// Position x, metres; null if the worker has not been seen.
@@ -71,9 +87,34 @@ pub struct ListedWorkerDto {
 impl From<WorkerDto> for ListedWorkerDto {
     fn from(w: WorkerDto) -> ListedWorkerDto {
         let WorkerDto {
-            id, name, presence, x, y, heading, seen, accuracy, state, reason, assignment, ..
+            id,
+            name,
+            vehicle,
+            presence,
+            x,
+            y,
+            heading,
+            seen,
+            accuracy,
+            state,
+            reason,
+            assignment,
+            ..
         } = w;
-        ListedWorkerDto { id, name, presence, x, y, heading, seen, accuracy, state, reason, assignment }
+        ListedWorkerDto {
+            id,
+            name,
+            vehicle,
+            presence,
+            x,
+            y,
+            heading,
+            seen,
+            accuracy,
+            state,
+            reason,
+            assignment,
+        }
     }
 }
 
@@ -191,6 +232,7 @@ pub async fn hire(
     if let Some(fault) = name_fault(name, LONGEST_NAME) {
         return Err(Problem::invalid(vec![FieldError::new("name", fault.sentence())]));
     }
+    let mover = new.vehicle.map(|vehicle| vehicle.mover()).transpose().map_err(Problem::invalid)?;
     if api.caller.role == Role::Device {
         return own_worker(&api, name).map(|own| (StatusCode::OK, own.0, own.1));
     }
@@ -201,8 +243,13 @@ pub async fn hire(
     match api.answer_to(Ask::register_worker(pseudonym.clone())).await? {
         Ok(Made { id, new }) => {
             let status = if new { StatusCode::CREATED } else { StatusCode::OK };
-            let (location, worker) = located(&api, id, pseudonym);
-            Ok((status, location, worker))
+            if let Some(mover) = mover {
+                api.ask(Ask::move_as(id, mover)).await?;
+            }
+            let (location, Json(worker)) = located(&api, id, pseudonym);
+            // The latest view may be from before the worker got in.
+            let vehicle = mover.map_or(worker.vehicle, |mover| VehicleDto::of(&mover));
+            Ok((status, location, Json(WorkerDto { vehicle, ..worker })))
         }
         Err(why) => {
             // No worker is registered under this name, so the name must not be kept.
@@ -212,6 +259,27 @@ pub async fn hire(
             Err(refused(&api.map, why))
         }
     }
+}
+
+/// Let a worker get into a vehicle, change it, or get off. From then on the worker's poses are those of the tag on the
+/// vehicle, and robots give way to all of it.
+#[utoipa::path(patch, path = "/v1/workers/{id}", tag = "people", operation_id = "changeWorker",
+    params(("id" = String, Path, example = "w1")), request_body = ChangedWorker, responses(
+    (status = 200, description = "Changed, and that is durable", body = WorkerDto),
+    (status = 404, description = "No worker has this id")))]
+pub async fn change(
+    Called(api): Called,
+    PathPart(id): PathPart,
+    JsonBody(changed): JsonBody<ChangedWorker>,
+) -> Result<Json<WorkerDto>, Problem> {
+    let id = api.feeds.worker(&id)?;
+    let mover = match changed.vehicle {
+        Some(vehicle) => vehicle.mover().map_err(Problem::invalid)?,
+        None => Mover::OnFoot,
+    };
+    api.ask(Ask::move_as(id, mover)).await?;
+    let name = api.feeds.name(id).unwrap_or_default();
+    Ok(Json(WorkerDto { vehicle: VehicleDto::of(&mover), ..worker(&api, id, name) }))
 }
 
 /// A worker in the latest view, with the name that the caller may see.

@@ -6,6 +6,7 @@
 use crate::state::worker::{AssignmentRequest, AssignmentState, Encounter, LastPlace, Reaction};
 use giveway_floor::id::{AssignmentId, RobotId, WorkerId};
 use giveway_floor::time::Time;
+use giveway_people::human::Mover;
 
 /// Something that happened to a worker.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -48,6 +49,15 @@ pub enum WorkerFact {
         /// Time of the fact.
         at: Time,
     } = 19,
+    /// A worker is on foot or in a vehicle from now on.
+    Moves {
+        /// The worker.
+        worker: WorkerId,
+        /// What the worker moves as.
+        mover: Mover,
+        /// Time of the fact.
+        at: Time,
+    } = 50,
 }
 
 /// Something that happened to an assignment.

@@ -17,6 +17,7 @@ use giveway_cell::{LineChange, LineOutcome};
 use giveway_floor::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use giveway_floor::time::Time;
 use giveway_floor::timeline::{self, Visit};
+use giveway_people::human::Mover;
 
 impl Ledger {
     /// Takes one fact in.
@@ -68,6 +69,8 @@ impl Ledger {
     fn take_in_of_workers(&mut self, fact: &WorkerFact) {
         match fact {
             WorkerFact::Registered { worker, name, .. } => {
+                // The number may have been that of a driver who has gone.
+                self.promises.vehicles.remove(worker);
                 if self.promises.workers.get(*worker).is_some() {
                     self.promises.workers[*worker].clone_from(name);
                 } else {
@@ -79,6 +82,12 @@ impl Ledger {
                 self.promises.on_floor.insert(*worker, *place);
             }
             WorkerFact::Cleared { worker, .. } => _ = self.promises.on_floor.remove(worker),
+            WorkerFact::Moves { worker, mover: Mover::Vehicle(vehicle), .. } => {
+                self.promises.vehicles.insert(*worker, *vehicle);
+            }
+            WorkerFact::Moves { worker, mover: Mover::OnFoot, .. } => {
+                self.promises.vehicles.remove(worker);
+            }
         }
     }
 

@@ -25,6 +25,7 @@ use giveway_floor::id::{
 use giveway_floor::time::{Span, Time};
 use giveway_floor::timeline::{Chain, Timeline, Visit};
 use giveway_floor::warehouse::Warehouse;
+use giveway_people::human::{Mover, Vehicle};
 use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -125,6 +126,8 @@ pub struct Promises {
     pub workers: IdVec<WorkerId, String>,
     /// Workers on the floor, with where each was last known to be.
     pub on_floor: BTreeMap<WorkerId, LastPlace>,
+    /// Workers who drive a vehicle; all others are on foot.
+    pub vehicles: BTreeMap<WorkerId, Vehicle>,
     /// Assignments that are not over.
     pub assignments: BTreeMap<AssignmentId, Assignment>,
     /// The number of the next assignment.
@@ -200,6 +203,11 @@ impl Ledger {
     /// Whether a worker has this number: it was given, and the worker who got it last has not left for good.
     pub fn knows(&self, worker: WorkerId) -> bool {
         self.promises.workers.get(worker).is_some_and(|name| !name.is_empty())
+    }
+
+    /// What a worker moves as.
+    pub fn mover(&self, worker: WorkerId) -> Mover {
+        self.promises.vehicles.get(&worker).map_or(Mover::OnFoot, |vehicle| Mover::Vehicle(*vehicle))
     }
 
     /// All kinds of robots: those of the site, and those that were added.

@@ -88,6 +88,7 @@ impl Ledger {
             served,
             workers: IdVec::new(),
             on_floor: BTreeMap::new(),
+            vehicles: BTreeMap::new(),
             assignments: BTreeMap::new(),
             next_assignment: 1,
             assignment_keys: Keys::default(),
@@ -222,6 +223,9 @@ fn check_names(w: &Warehouse, p: &Promises) -> Result<(), Contradiction> {
         let worker = a.worker.is_none_or(|w| w.ix() < p.workers.len());
         let fits = node(a.request.place) && worker && id.0 < p.next_assignment;
         known(fits, format!("assignment {id:?}"))?;
+    }
+    for id in p.vehicles.keys() {
+        known(id.ix() < p.workers.len(), format!("driver {id:?}"))?;
     }
     for (id, area) in &p.closures {
         known(area.nodes.iter().all(|n| node(*n)) && id.0 < p.next_closure, format!("closure {id:?}"))?;

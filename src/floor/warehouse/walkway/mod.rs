@@ -36,6 +36,8 @@ const STANDING_PITCH_M: f64 = 0.5;
 const STANDING_CLEARANCE_M: f64 = 0.3;
 /// A straight path that comes this near to the middle of a cut edge, and goes on, is cut too, metres.
 const CUT_REACH_M: f64 = 0.5;
+/// A vehicle that does not fit where a person would stand serves a place from this far away at most, metres.
+const SERVES_M: f64 = 4.0;
 /// A person whose pose is this far off the floor at most is taken to be on the nearest free cell, metres.
 const OFF_FLOOR_M: f64 = 1.0;
 
@@ -135,7 +137,31 @@ impl Walkways {
 
     /// An empty set of edges, of the right size.
     pub fn no_edges(&self) -> EdgeSet {
-        EdgeSet { words: vec![0; self.edges.len().div_ceil(64)], areas: Vec::new() }
+        EdgeSet { words: vec![0; self.edges.len().div_ceil(64)], areas: Vec::new(), clearance_m: 0.0 }
+    }
+
+    /// The edges that come nearer to obstacles than `clearance_m`, metres: a vehicle that needs that much to either
+    /// side does not fit there. With these cut, straight paths keep that distance from obstacles, too.
+    pub fn edges_narrower_than(&self, clearance_m: f64) -> EdgeSet {
+        let mut cut = EdgeSet { clearance_m, ..self.no_edges() };
+        for (e, _) in self.edges.pairs().filter(|(_, edge)| edge.clearance_m < clearance_m) {
+            cut.insert(e);
+        }
+        cut
+    }
+
+    /// Where something that keeps `clearance_m` (metres) from obstacles can stand to serve a place: for a person, who
+    /// needs none, the nearest point of the floor; else the nearest middle line in sight that is wide enough, no farther
+    /// than a few metres away. Nothing if there is none.
+    pub fn stand_near(&self, place: Point, clearance_m: f64) -> Option<Point> {
+        let on_floor = self.on_floor(place)?;
+        if self.clearance_m(on_floor) >= clearance_m {
+            return Some(on_floor);
+        }
+        let wide = |e: &WalkEdgeId| self.edges[*e].clearance_m >= clearance_m;
+        let mut near = self.near(on_floor, SERVES_M);
+        near.retain(|(n, _)| self.links(*n).iter().any(|(e, _)| wide(e)));
+        near.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(n, _)| self.nodes[n].at)
     }
 
     /// Side of a cell of the floor's raster, metres.
@@ -215,13 +241,17 @@ impl Walkways {
         cut.areas.push(outline.clone());
     }
 
-    /// Whether the straight path from `a` to `b` runs into a cut area, or goes past a robot: it approaches the middle
-    /// of a cut edge and leaves it behind. A path that ends before it, or starts there and leads away, does not.
+    /// Whether the straight path from `a` to `b` runs into a cut area or between obstacles that are too near, or goes
+    /// past a robot: it approaches the middle of a cut edge and leaves it behind. A path that ends before it, or starts
+    /// there and leads away, does not.
     fn leads_past(&self, a: Point, b: Point, cut: &EdgeSet) -> bool {
         if cut.is_empty() {
             return false;
         }
         let way = Segment { a, b };
+        if self.narrows(way, cut.clearance_m) {
+            return true;
+        }
         if cut.areas.iter().any(|outline| runs_through(outline, way)) {
             return true;
         }
@@ -231,6 +261,19 @@ impl Walkways {
             let (away, u) = distance_to(self.segment(e).point(0.5), way);
             cut.contains(e) && away < CUT_REACH_M && u > 0.0 && u < 1.0
         })
+    }
+}
+
+impl Walkways {
+    /// Whether a straight path comes nearer to obstacles than `clearance_m`, and nearer than where it begins: whatever
+    /// stands in a narrow place may leave it.
+    fn narrows(&self, way: Segment, clearance_m: f64) -> bool {
+        if clearance_m <= 0.0 {
+            return false;
+        }
+        let least_m = clearance_m.min(self.clearance_m(way.a));
+        let steps = (way.length() / self.floor.cell_m).ceil().max(1.0) as u32;
+        (0..=steps).any(|i| self.clearance_m(way.point(f64::from(i) / f64::from(steps))) < least_m)
     }
 }
 
@@ -257,11 +300,14 @@ fn distance_to(p: Point, s: Segment) -> (f64, f64) {
     ((p - s.point(u)).norm(), u)
 }
 
-/// A set of edges, one bit each, and areas that no straight path may run into.
+/// A set of edges, one bit each, areas that no straight path may run into, and how near to obstacles a straight path
+/// may come.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EdgeSet {
     words: Vec<u64>,
     areas: Vec<Arc<[Point]>>,
+    /// Least distance of straight paths from obstacles, metres.
+    clearance_m: f64,
 }
 
 impl EdgeSet {
@@ -286,9 +332,9 @@ impl EdgeSet {
         self.words[e.ix() / 64] >> (e.ix() % 64) & 1 == 1
     }
 
-    /// Whether the set has no edges.
+    /// Whether the set cuts nothing off.
     pub fn is_empty(&self) -> bool {
-        self.areas.is_empty() && self.words.iter().all(|w| *w == 0)
+        self.areas.is_empty() && self.clearance_m <= 0.0 && self.words.iter().all(|w| *w == 0)
     }
 
     /// All edges, in order.

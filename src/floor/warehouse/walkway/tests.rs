@@ -1,7 +1,7 @@
 //! Walkways of the shipped maps and of small drawings.
 
 use super::*;
-use crate::warehouse::{kiva, lab, sketch, thesis};
+use crate::warehouse::{kiva, lab, sketch, stations, thesis};
 
 fn p(x: f64, y: f64) -> Point {
     Point::new(x, y)
@@ -243,4 +243,37 @@ fn who_is_shut_in_has_no_way_between_and_who_is_measured_inside_a_robot_may_leav
         let depths: Vec<f64> = points.map(|q| squares[0].depth_m(q).max(0.0)).collect();
         assert!(depths.is_sorted_by(|a, b| a + 1e-9 >= *b), "not deeper into it: {way:?}");
     }
+}
+
+#[test]
+fn what_needs_more_room_than_an_aisle_has_goes_round_by_wide_roads_or_not_at_all() {
+    let w = stations();
+    let walkways = Walkways::of(&w);
+    // Roads of two metres lead round blocks with aisles of one metre between.
+    let (from, to) = (Point::new(0.5, 0.5), Point::new(0.5, 13.5));
+    let across = Point::new(22.0, 7.5);
+    let long = |clearance_m: f64, to: Point| {
+        let cut = walkways.edges_narrower_than(clearance_m);
+        walkways.path(from, to, &cut).map(|way| (way.length_m, way.points))
+    };
+    for clearance_m in [0.6, 0.8] {
+        let (_, points) = long(clearance_m, across).expect("by the roads");
+        let narrow = |p: &&Point| walkways.clearance_m(**p) < clearance_m - 0.11;
+        assert_eq!(points[1..points.len() - 1].iter().find(narrow), None, "{clearance_m} m");
+    }
+    let on_foot = long(0.0, to).expect("everywhere");
+    assert!(long(0.6, to).expect("by the roads").0 >= on_foot.0 - 1e-9);
+    assert_eq!(long(1.5, to), None, "no road is three metres wide");
+}
+
+#[test]
+fn what_does_not_fit_beside_a_rack_serves_it_from_the_nearest_wide_road_in_sight() {
+    let w = stations();
+    let walkways = Walkways::of(&w);
+    let rack = Point::new(2.0, 2.0);
+    assert_eq!(walkways.stand_near(rack, 0.0), walkways.on_floor(rack), "a person stands in front of it");
+    let stand = walkways.stand_near(rack, 0.6).expect("the road is beside the block");
+    assert!((stand - rack).norm() < 4.0 && walkways.clearance_m(stand) > 0.6, "{stand}");
+    let inner = Point::new(8.0, 6.0);
+    assert_eq!(walkways.stand_near(inner, 0.6), None, "in the middle there are narrow aisles alone");
 }

@@ -4,13 +4,13 @@
 import { t, timeOfDay } from '../../words';
 import type { Cell } from './heatmap';
 import { around } from '../scene/sketch';
-import type { Alarm, Closure } from '../../wire';
+import type { Alarm, Closure, Vehicle } from '../../wire';
 import { putHeat, type Forecast } from './heat';
 import type { Palette } from './palette';
 import type { Person } from '../scene/people';
 import { Labels, stationTitle } from './labels';
 import { LOOKS, LOW_BATTERY, robotNear, type Look, type Paths, type Scene } from '../scene/scene';
-import { inkOf, KIND, Sheet, Words } from './sheet';
+import { inkOf, KIND, Sheet, Words, type Kind } from './sheet';
 import { inSight, type View } from '../scene/view';
 
 /** What is in the side panel: an index into the scene each, or -1, and a place without one. */
@@ -86,6 +86,8 @@ const FACELESS: readonly Look[] = ['failed', 'charging', 'paused', 'stopped', 'o
 /** Of a person's mark, metres: never so small that it is lost among the robots. */
 export const personRadius = (scale: number): number => Math.max(SIZE.person, 6 / scale);
 const PERSON_REACH = 1.35;
+/** How much of a vehicle's length is its body; the rest are the forks. */
+const BODY_SHARE = 0.62;
 /** From afar: what needs a person is no disc. */
 const ON_ITS_CORNER: readonly Look[] = ['waiting', 'offline'];
 const SQUARE: readonly Look[] = ['failed', 'stopped', 'paused', 'out_of_service'];
@@ -490,9 +492,11 @@ export class Composer {
     const size = 2 * PERSON_REACH * r;
     sheet.begin();
     for (let i = 0; i < people.length; i++) {
-      const { x, y, heading, presence, state } = people[i]!;
-      const ring = 2 * Math.max(SIZE.person + SIZE.ring, 12 * hair);
+      const { x, y, heading, vehicle, presence, state } = people[i]!;
+      const reach = vehicle ? Math.max(vehicle.behind_m, vehicle.length_m - vehicle.behind_m) : SIZE.person;
+      const ring = 2 * Math.max(reach + SIZE.ring, 12 * hair);
       if (i === chosen) sheet.put(KIND.ring, x, y, ring, ring, ink.chosen, 0, 2 * hair);
+      if (vehicle) this.#vehicle(people[i]!, vehicle, hair);
       sheet.put(KIND.person, x, y, 1.25 * size, 1.25 * size, ink.halo, heading);
       if (presence !== 'lost')
         sheet.put(KIND.person, x, y, size, size, presence === 'tracked' ? ink.person : ink.pale, heading);
@@ -506,6 +510,38 @@ export class Composer {
       if (state === 'redirected') sheet.put(KIND.frame, x + 1.1 * r, y + 1.1 * r, flag, flag, colour, turn, 0.3 * flag);
       else sheet.put(KIND.box, x + 1.1 * r, y + 1.1 * r, flag, flag, colour, turn);
     }
+  }
+
+  /** A vehicle to scale, seen from above: the body behind, two forks ahead; an outline while nobody knows the place.
+   *  The mark of its driver comes on top, where the tag is. */
+  #vehicle({ x, y, heading, presence }: Person, vehicle: Vehicle, hair: number): void {
+    const ink = this.#inks;
+    const sheet = this.sheets.people;
+    const [along, across] = [Math.cos(heading), Math.sin(heading)];
+    const { length_m: length, width_m: width, behind_m: behind } = vehicle;
+    const body = BODY_SHARE * length;
+    /** A box whose middle is so far from the rear end and to the left. */
+    const part = (kind: Kind, from: number, left: number, l: number, w: number, colour: number, more = 0): void => {
+      const ahead = from - behind;
+      sheet.put(
+        kind,
+        x + ahead * along - left * across,
+        y + ahead * across + left * along,
+        l,
+        w,
+        colour,
+        heading,
+        more,
+      );
+    };
+    const edge = Math.max(0.08, 1.5 * hair);
+    part(KIND.box, length / 2, 0, length + 2 * edge, width + 2 * edge, ink.halo);
+    part(KIND.frame, length / 2, 0, length, width, ink.person, edge);
+    if (presence === 'lost') return;
+    const colour = presence === 'tracked' ? ink.person : ink.pale;
+    part(KIND.box, body / 2, 0, body, width, colour);
+    for (const side of [-1, 1])
+      part(KIND.box, (length + body) / 2, (side * width) / 4, length - body, width / 7, colour);
   }
 
   /** Names, in their order of precedence: what is chosen, what has an alarm, people, stations and closed areas, robots,

@@ -8,6 +8,8 @@ export interface Person extends Place {
   id: string;
   /** The name, with a word where the place is not to be trusted. */
   title: string;
+  /** What they drive; null on foot. */
+  vehicle: Worker['vehicle'];
   presence: Worker['presence'];
   state: Worker['state'];
   /** Where a person who is lost may be. */
@@ -49,6 +51,8 @@ export class People {
         id: w.id,
         title: titleOf(w),
         ...this.#from[i]!,
+        // Recordings from before there were vehicles say nothing of them.
+        vehicle: w.vehicle ?? null,
         presence: w.presence,
         state: w.state,
         area: w.area,
