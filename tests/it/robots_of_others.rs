@@ -3,7 +3,7 @@
 //! The broker is Mosquitto, which `tests/all` installs. Where it is missing, a test says so on standard error, past
 //! what the test program captures, and is left out.
 
-use crate::helper::{Folder, PATIENCE, all_jobs, eventually, get, post};
+use crate::helper::{Answer, Folder, PATIENCE, all_jobs, eventually, get, post, send};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -165,6 +165,19 @@ fn rights(robots: &Path) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
+/// Waits until this many jobs are done. Robots drive in real time, so this takes longer than what other tests wait for.
+async fn until_done(at: SocketAddr, count: usize) {
+    let end = Instant::now() + 5 * PATIENCE;
+    loop {
+        let jobs = all_jobs(at, 100).await;
+        if jobs.iter().filter(|job| job["state"] == "done").count() >= count {
+            break;
+        }
+        assert!(Instant::now() < end, "never done: {jobs:#?}");
+        tokio::time::sleep(Duration::from_millis(200)).await;
+    }
+}
+
 /// The places of three robots that are far from one another.
 const ROBOTS: [(&str, &str); 3] = [("2.0.0", "P0-15"), ("2.1.0", "PW10"), ("3.0.0", "PE12")];
 
@@ -195,16 +208,7 @@ async fn three_robots_of_three_versions_do_five_jobs_with_no_more_rights_than_th
         let job = json!({"kind": "deliver", "rack": format!("K{rack}"), "station": "W"});
         assert_eq!(post(at, None, &job).await.unwrap().status, 201);
     }
-    // Robots drive in real time, so this takes longer than what other tests wait for.
-    let end = Instant::now() + 5 * PATIENCE;
-    loop {
-        let jobs = all_jobs(at, 100).await;
-        if jobs.len() == 5 && jobs.iter().all(|job| job["state"] == "done") {
-            break;
-        }
-        assert!(Instant::now() < end, "never done: {jobs:#?}");
-        tokio::time::sleep(Duration::from_millis(200)).await;
-    }
+    until_done(at, 5).await;
     for (process, _) in robots {
         process.interrupt();
     }
@@ -213,6 +217,70 @@ async fn three_robots_of_three_versions_do_five_jobs_with_no_more_rights_than_th
         let kept = tokio::task::block_in_place(|| broker.retained("giveway", &topic));
         assert_eq!(kept["connectionState"], "OFFLINE", "{kept}");
     }
+}
+
+/// A request with a body, or with none.
+async fn ask(at: SocketAddr, method: &str, path: &str, body: &Value) -> Answer {
+    let json = [("content-type", "application/json")];
+    let body = if body.is_null() { String::new() } else { body.to_string() };
+    send(at, method, path, if body.is_empty() { &[] } else { &json }, &body).await.unwrap()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_server_that_is_killed_knows_robots_again_that_people_listed_and_whose_version_nobody_named() {
+    let folder = Folder::new();
+    let Some(broker) = Broker::start(&folder, None) else { return };
+    let robots = [("2.1.0", "PW10"), ("3.0.0", "PE12")];
+    let _robots = robots.map(|(version, node)| robot(&folder, &broker.url, version, node));
+    let file = folder.path().join("robots.json");
+    let kinds = json!({"giveway_robots": 1, "map_id": "thesis", "kinds": {"any": {}}, "robots": []});
+    std::fs::write(&file, kinds.to_string()).unwrap();
+    let (server, at) = serve(&folder, &broker.url, &file);
+    let heard = async || {
+        let all = get(at, "/v1/robots?unlisted=true").await.json();
+        (all["unlisted"].as_array().map(Vec::len) == Some(2)).then_some(all)
+    };
+    let all = eventually("both are heard of", heard).await;
+    assert_eq!((all["items"].as_array().map(Vec::len), &all["waiting"]), (Some(0), &json!([])));
+    let list =
+        |serial: &str| json!({"name": serial, "kind": "any", "manufacturer": "giveway", "serial": serial});
+    for serial in ["v210", "v300"] {
+        assert_eq!(ask(at, "POST", "/v1/robots", &list(serial)).await.status, 201);
+        assert_eq!(ask(at, "POST", "/v1/robots", &list(serial)).await.status, 200);
+    }
+    let wrong = json!({"name": "x", "kind": "none", "manufacturer": "giveway", "serial": "x"});
+    ask(at, "POST", "/v1/robots", &wrong).await.problem(409);
+    ask(at, "POST", "/v1/robots", &json!({"name": "x", "node": "PW9", "serial": "x"})).await.problem(422);
+    let ready = async |at: SocketAddr| {
+        let v210 = get(at, "/v1/robots/v210/link").await.json();
+        let v300 = get(at, "/v1/robots/v300/link").await.json();
+        let versions = (&v210["version"], &v300["version"]) == (&json!("2.1.0"), &json!("3.0.0"));
+        (versions && [&v210, &v300].iter().all(|v| v["joined"] == true && v["not_ready"].is_null()))
+            .then_some(())
+    };
+    eventually("both are ready", async || ready(at).await).await;
+    let sent = ask(at, "POST", "/v1/robots/v300/actions", &json!({"type": "stateRequest"})).await;
+    assert_eq!(sent.status, 202);
+    let fate = sent.header("location").expect("where its fate is").to_owned();
+    let finished = async || (get(at, &fate).await.json()["status"] == "FINISHED").then_some(());
+    eventually("the action is done", finished).await;
+    ask(at, "POST", "/v1/robots/v300/actions", &json!({"type": "cancelOrder"})).await.problem(409);
+    ask(at, "PUT", "/v1/robots/v300/consent", &Value::Null).await.problem(409);
+    ask(at, "POST", "/v1/robots/v300/settled", &Value::Null).await.problem(409);
+    get(at, "/v1/robots/nobody/link").await.problem(404);
+    for rack in 1..=4 {
+        let job = json!({"kind": "deliver", "rack": format!("K{rack}"), "station": "W"});
+        assert_eq!(post(at, None, &job).await.unwrap().status, 201);
+    }
+    until_done(at, 1).await;
+    drop(server);
+    let (_server, at) = serve(&folder, &broker.url, &file);
+    until_done(at, 4).await;
+    eventually("both are ready again", async || ready(at).await).await;
+    let said = get(at, "/v1/robots/v300/messages").await.json();
+    let said = said["messages"].as_array().expect("messages").clone();
+    assert!(said.iter().any(|m| m["to_robot"] == true) && said.iter().any(|m| m["to_robot"] == false));
+    assert_eq!(ask(at, "DELETE", "/v1/robots/v300", &Value::Null).await.status, 204);
 }
 
 #[test]

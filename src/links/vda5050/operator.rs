@@ -6,9 +6,13 @@ use super::cancel::CANCEL;
 use super::pause::{START_PAUSE, STOP_PAUSE};
 use super::session::{RobotSession, SessionOutput};
 use giveway_floor::geometry::{Pose, wrap_angle};
-use giveway_floor::time::Time;
+use giveway_floor::time::{Span, Time};
 use giveway_vda5050::{ActionStatus, Parameter};
 use serde_json::json;
+
+/// A robot of 3.0 may list this many instant actions that are over, and is told to forget them this often at most.
+const MOST_OVER: usize = 32;
+const CLEARS: Span = Span::from_secs(10);
 
 /// How many actions of operators are remembered.
 const KEPT: usize = 50;
@@ -93,6 +97,18 @@ impl RobotSession {
             ("lastNodeId", json!(node)),
         ];
         Ok(all.into_iter().map(|(key, value)| Parameter { key: key.to_owned(), value }).collect())
+    }
+
+    /// Has a robot forget instant actions that are over: from 3.0 on it lists all of them until it is told to.
+    pub(super) fn clear_instants(&mut self, now: Time) {
+        let Some((heard, state)) = &self.state else { return };
+        let over = state.instant_actions.iter().filter(|said| said.status.is_over()).count();
+        let is_answered = self.cleared.is_none_or(|cleared| *heard > cleared && now - cleared >= CLEARS);
+        if over > MOST_OVER && is_answered {
+            self.cleared = Some(now);
+            let id = self.new_id();
+            self.instant("clearInstantActions", &id, Vec::new());
+        }
     }
 
     /// Notes in a state what became of operators' actions. Robots list an ended one in a few states only.

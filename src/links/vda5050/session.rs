@@ -142,6 +142,8 @@ pub struct RobotSession {
     pub(super) factsheet: Option<Box<Factsheet>>,
     /// Whether the robot was asked what it can do.
     pub(super) factsheet_asked: bool,
+    /// When the robot was last told to forget instant actions that are over.
+    pub(super) cleared: Option<Time>,
     /// When the last order or update was sent.
     pub(super) ordered: Option<Time>,
     /// The last state, and when it arrived.
@@ -197,6 +199,7 @@ impl RobotSession {
             other_version: None,
             factsheet: None,
             factsheet_asked: false,
+            cleared: None,
             ordered: None,
             state: None,
             states: MessageOrder::default(),
@@ -353,6 +356,7 @@ impl RobotSession {
             if !self.mind_charge(now) {
                 self.mind_order(now);
             }
+            self.clear_instants(now);
         }
         for _lie in self.out.noticed.iter().filter(|notice| notice.is_lie()) {
             self.trust.lose(now);

@@ -320,8 +320,10 @@ impl MqttRobots {
         if robot.listed.version.is_some_and(|wanted| wanted != version) {
             return Some(RobotHeard::OtherVersion(header.version));
         }
-        if robot.session.version() != version && robot.number.is_none() {
+        if robot.session.version() != version {
             let before = self.robots.remove(address)?;
+            // A robot that has joined joins its new session in the next turn.
+            before.number.map(|number| self.numbers.remove(&number));
             self.robots.insert(address.clone(), self.begin_again(before, version));
         }
         let stamp = MessageStamp { id: header.id, timestamp: header.timestamp };
