@@ -1,4 +1,5 @@
-// Robots of other vendors: the standard's words as people read them, what an action needs, which messages are new. Pure.
+// Robots of other vendors: the standard's words as people read them, what an action needs, how messages are listed.
+// Pure.
 import type { LinkedRobot, NewAction, SaidMessage, UnlistedRobot } from '../wire';
 import { t, wordsBy } from '../words';
 
