@@ -1,6 +1,6 @@
-// Robots of other vendors in a real browser, over a real broker, with virtual robots that lie: one is not ready, drives,
-// lies, is looked after and leaves; another is listed on the page and needs consent. This test starts the broker, the
-// robots and the server itself: node tests/linked.mjs PATH-TO-GIVEWAY
+// Robots of other vendors in a real browser, over a real broker: one is not ready, drives, lies, is looked after and
+// leaves; another is listed on the page and needs consent. This test starts the broker, the robots and the server
+// itself: node tests/linked.mjs PATH-TO-GIVEWAY
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
@@ -76,8 +76,8 @@ const listed = write('robots.json', {
 });
 const scenario = write('floor.json', { giveway_scenario: 1, name: 'others', map: MAP, robots: 0, jobs: 'none' });
 const { url, stop } = await serve(program, scenario, scratch, 0, ['--mqtt', mqtt, '--robots', listed]);
-/** Switches the robots on. One does not know where it is for a while, and ends its orders without their picks; the other
- *  does not pause. */
+/** Switches the robots on. One does not know where it is for a while, and ends its orders without their picks; the
+ *  other does not pause. */
 function switchOn() {
   const places = [
     { serial: 'liar', node: 'G0-3' },
@@ -225,6 +225,6 @@ robots?.kill('SIGINT');
 await new Promise((done) => {
   robots?.once('exit', done);
 });
-broker.kill();
 await stop();
+broker.kill();
 await finish(browser);
