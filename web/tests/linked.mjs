@@ -212,7 +212,7 @@ await check('What was said stands in its card, newest first, both ways', async (
   await order.scrollIntoViewIfNeeded();
   await shot('linked-messages-light');
 });
-await check('It was looked after, and leaves', async () => {
+await check('It was looked after, and is told to leave the floor', async () => {
   const its = card.locator('[data-linked="liar"]');
   await its.getByRole('button', { name: 'It was looked after' }).click();
   await until('a robot that works again', async () => (await ask('/v1/robots/liar/link')).failed === null, 40);
