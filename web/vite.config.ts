@@ -121,7 +121,11 @@ export default defineConfig(({ mode }) => ({
     },
     ...(mode === 'single' ? single : {}),
   },
-  server: { proxy: { '/v1': { target: server, ws: true }, '/openapi.json': server, '/asyncapi.json': server } },
+  // Tests compare the page's types with the server's sources.
+  server: {
+    ...(process.env['VITEST'] ? { fs: { allow: ['..'] } } : {}),
+    proxy: { '/v1': { target: server, ws: true }, '/openapi.json': server, '/asyncapi.json': server },
+  },
   // A minute for a test that takes a tenth of a second: a machine may be busy with other work.
   test: {
     environment: 'happy-dom',

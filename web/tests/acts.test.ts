@@ -3,7 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { buildClosure } from '../src/places/closureform';
 import { readJobs, type Known } from '../src/jobs/csv';
 import { lookAgain, lookAt, lookWords, marks, place, rows, when } from '../src/timelines/gantt';
-import { around, corner, rectangle } from '../src/floor/scene/sketch';
+import { around, corner, headingOf, rectangle } from '../src/floor/scene/sketch';
 import type { Point, Strip } from '../src/wire';
 
 const NOW = new Date('2031-01-31T12:00:00Z');
@@ -27,6 +27,20 @@ describe('drawing', () => {
   it('takes a rectangle without area for a slip of the hand', () => {
     expect(corner('rectangle', [[1, 1]], [1, 5])).toEqual({ kind: 'more', corners: [[1, 5]] });
     expect(corner('rectangle', [[1, 1]], [2, 5]).kind).toBe('done');
+  });
+  it('takes a place and a direction for a pose, and no click twice in the same place', () => {
+    const first = corner('pose', [], [4, 2.5]);
+    expect(first).toEqual({ kind: 'more', corners: [[4, 2.5]] });
+    expect(corner('pose', [[4, 2.5]], [4.01, 2.5])).toEqual(first);
+    expect(corner('pose', [[4, 2.5]], [4, 3.504])).toEqual({
+      kind: 'done',
+      outline: [
+        [4, 2.5],
+        [4, 3.5],
+      ],
+    });
+    expect(headingOf([4, 2.5], [4, 3.5])).toBeCloseTo(Math.PI / 2);
+    expect(headingOf([4, 2.5], [3, 2.5])).toBeCloseTo(Math.PI);
   });
   it('closes a polygon at its first corner, but not before it has three', () => {
     const three: Point[] = [

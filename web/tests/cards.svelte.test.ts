@@ -7,6 +7,7 @@ import { Chances } from '../src/people';
 import ClosureForm from '../src/places/ClosureForm.svelte';
 import { Notices } from '../src/parts/notices.svelte';
 import { EMPTY, reduce, type Answer, type FloorMap, type Mirror, type Point } from '../src/wire';
+import { linkedRequests } from '../src/wire/linked';
 import { robot, snapshot, worker } from './samples';
 
 const map: FloorMap = {
@@ -39,6 +40,7 @@ function card(first: Picked, mirror: Mirror) {
     retire: refused,
     robot: refused,
     robotHistory: refused,
+    linked: linkedRequests(refused),
     assign: refused,
     clear: refused,
     narrow: refused,

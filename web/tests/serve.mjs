@@ -8,10 +8,12 @@ export const QUICK = { speed_mps: 3, speed_loaded_mps: 3, accel_unloaded_mps2: 3
 /**
  * Starts the program with a scenario, or with what it shows by itself where that is null, and with a database in a
  * folder that is removed when it is stopped. One that was killed can be started again on the same database and port.
+ * Further arguments are in `more`.
  */
-export async function serve(program, scenario, scratch, port = 0) {
+export async function serve(program, scenario, scratch, port = 0, more = []) {
   const server = spawn(program, [
     'serve',
+    ...more,
     ...(scenario === null ? [] : ['--scenario', scenario]),
     '--listen',
     `127.0.0.1:${port}`,

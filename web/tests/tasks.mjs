@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, check, finish, listen, openBrowser, until } from './chromium.mjs';
+import { PATIENCE, assert, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
 import { QUICK, serve } from './serve.mjs';
 
 const program = process.argv[2];
@@ -51,7 +51,9 @@ const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'light' });
 const page = await context.newPage();
 const complaints = [];
-listen(page, complaints);
+// Whether there are robots of other vendors is asked, and refused where the floor has no link to them.
+const isRefusedLists = (message) => isRefusal(message) && message.location().url.includes('/v1/robots?unlisted');
+listen(page, complaints, isRefusedLists);
 const tab = (name) =>
   page.getByRole('group', { name: 'What is shown below the floor' }).getByRole('button', { name, exact: true });
 
@@ -88,7 +90,7 @@ await check('An aisle is closed by drawing over it and saying why', async () => 
 await check('The late jobs of yesterday are in the report, each with its reference', async () => {
   // The page's day is the one after the server's: what happened today was yesterday.
   const tomorrow = await context.newPage();
-  listen(tomorrow, complaints);
+  listen(tomorrow, complaints, isRefusedLists);
   await tomorrow.clock.setFixedTime(new Date(Date.now() + 24 * 3_600_000));
   await tomorrow.goto(server.url);
   await tomorrow

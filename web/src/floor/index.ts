@@ -5,7 +5,7 @@ export { foundJob, namesOn, type Found } from './find';
 export { Pad } from './pad.svelte';
 export { Pointing } from './pointing.svelte';
 export { LOW_BATTERY } from './scene/scene';
-export { around } from './scene/sketch';
+export { around, headingOf } from './scene/sketch';
 export { placeNear } from './scene/places';
 export { PICKED_KINDS, type Picked } from './scene/picked';
 export type { Drawing } from './scene/sketch';

@@ -10,6 +10,7 @@ import type { ClosingEffect, Closure, NewClosure } from './closures';
 import type { EncounterPage, HeatKind, HeatPage, HistoryPage } from './history';
 import type { Job, JobBatch, JobPage, JobState, NewJob } from './jobs';
 import type { FloorMap, RobotKind } from './map';
+import { linkedRequests } from './linked';
 import type { RobotDetail, RobotHistoryPage } from './robots';
 import type { Problem } from './sentence';
 import type { StationDetail } from './station';
@@ -55,6 +56,8 @@ export class Api {
     const query = new URLSearchParams({ limit: '20', ...(cursor === null ? {} : { cursor }) });
     return this.#ask<RobotHistoryPage>('GET', `/v1/robots/${encodeURIComponent(id)}/history?${query}`);
   };
+  /** Requests about robots of other vendors. */
+  readonly linked = linkedRequests((method, path, body) => this.#ask(method, path, {}, body));
   retire = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}`);
   stationDetail = (id: string) => this.#ask<StationDetail>('GET', `/v1/stations/${encodeURIComponent(id)}`);
   station = (id: string, says: 'done' | 'short' | 'pause' | 'resume') =>

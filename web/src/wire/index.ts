@@ -3,6 +3,19 @@
 export * from './map';
 export * from './sentence';
 export * from './robots';
+export type {
+  ActionFate,
+  LinkedApi,
+  LinkedRobot,
+  NewAction,
+  NewLinked,
+  NoticedOfRobot,
+  NotJoined,
+  SaidError,
+  SaidMessage,
+  SaidState,
+  UnlistedRobot,
+} from './linked';
 export * from './workers';
 export * from './closures';
 export * from './alarms';

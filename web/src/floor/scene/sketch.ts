@@ -2,10 +2,10 @@
 import type { Point } from '../../wire';
 
 export interface Drawing {
-  readonly kind: 'rectangle' | 'polygon' | 'point';
+  readonly kind: 'rectangle' | 'polygon' | 'point' | 'pose';
   /** What to do, for those who draw. */
   readonly prompt: string;
-  /** Corners in order; a point is one. */
+  /** Corners in order. A point is one; a pose is two: the place, and a point in the direction of the heading. */
   readonly onDone: (outline: Point[]) => void;
 }
 
@@ -25,6 +25,9 @@ export function rectangle(a: Point, b: Point): Point[] {
     [x0, y1],
   ];
 }
+
+/** The heading from one point to another, radians, anticlockwise from the x axis. */
+export const headingOf = (from: Point, to: Point): number => Math.atan2(to[1] - from[1], to[0] - from[0]);
 
 /** The upright rectangle around an outline: x0, y0, x1, y1. */
 export function around(outline: readonly Point[]): [number, number, number, number] {
@@ -46,6 +49,11 @@ export function corner(
     // A rectangle without area is a slip of the hand: begin again.
     const flat = Math.abs(first[0] - at[0]) < SAME_M || Math.abs(first[1] - at[1]) < SAME_M;
     return flat ? { kind: 'more', corners: [at] } : { kind: 'done', outline: rectangle(first, at) };
+  }
+  if (kind === 'pose') {
+    // Without a direction there is no heading.
+    if (!first || near(first, at)) return { kind: 'more', corners: [first ?? at] };
+    return { kind: 'done', outline: [first, at].map(([x, y]) => [round(x), round(y)]) };
   }
   const last = so.at(-1);
   const closes = (first !== undefined && near(first, at)) || (last !== undefined && near(last, at));
