@@ -62,7 +62,8 @@ impl Floor<'_> {
         let has_ended = |t: &Telemetry| t.speed_mps == 0.0 && t.reached + 1 >= chain.granted();
         let stays = rests || seen.is_some_and(|t| t.cannot_drive() || record.failed && has_ended(t));
         // A link that the site no longer has will not come back.
-        let is_cut_off = self.settings.links.contains(&record.link) && !self.scene.is_connected(robot);
+        let is_lost = matches!(self.scene.reach(robot), LinkReach::Lost | LinkReach::LineDown);
+        let is_cut_off = self.settings.links.contains(&record.link) && is_lost;
         let patience = match is_cut_off {
             true => CUT_OFF,
             false if stays => SWITCHED_OFF,

@@ -19,14 +19,16 @@ pub enum LinkReach {
     /// They do not: the robot is silent at once. It keeps its places, and other robots get its job if it has not
     /// lifted the rack.
     Lost,
+    /// The robot has said that it is being switched off; else as if it were lost.
+    Off,
     /// They reach no robot of the link. All drive on to where they were granted and keep their jobs.
     LineDown,
 }
 
 impl LinkReach {
     /// All values.
-    pub const ALL: [LinkReach; 4] =
-        [LinkReach::ByReports, LinkReach::Answers, LinkReach::Lost, LinkReach::LineDown];
+    pub const ALL: [LinkReach; 5] =
+        [LinkReach::ByReports, LinkReach::Answers, LinkReach::Lost, LinkReach::Off, LinkReach::LineDown];
 
     /// The word in files and answers.
     pub fn word(self) -> &'static str {
@@ -34,6 +36,7 @@ impl LinkReach {
             LinkReach::ByReports => "by_reports",
             LinkReach::Answers => "answers",
             LinkReach::Lost => "lost",
+            LinkReach::Off => "off",
             LinkReach::LineDown => "line_down",
         }
     }

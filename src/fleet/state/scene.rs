@@ -219,7 +219,7 @@ impl Scene {
         match self.reach(robot) {
             LinkReach::ByReports => now - heard <= SILENCE,
             LinkReach::Answers => true,
-            LinkReach::Lost | LinkReach::LineDown => false,
+            LinkReach::Lost | LinkReach::Off | LinkReach::LineDown => false,
         }
     }
 

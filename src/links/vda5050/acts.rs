@@ -3,7 +3,7 @@
 //! Main types: [`LegAct`], [`ActFailure`]. Refuses: to take the end of an order for the end of its action.
 
 use super::notice::Notice;
-use super::order::OrderLife;
+use super::order::{LegOrder, OrderLife};
 use super::session::RobotSession;
 use giveway_fleet::{Act, Waypoint};
 use giveway_floor::id::RackId;
@@ -11,7 +11,7 @@ use giveway_floor::time::{Span, Time};
 use giveway_vda5050::{Action, ActionStatus};
 
 /// A robot that stands at the end of its order and says nothing of its action for this long did not do it.
-const SAYS: Span = Span::from_millis(1500);
+const SAYS: Span = Span::from_millis(1000);
 
 /// What a robot does at the end of an order.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,6 +83,14 @@ impl RobotSession {
                 }
             }
             None => {}
+        }
+    }
+
+    /// Asks a robot that is at the end of its order and has said nothing of its action: the next state may be far off.
+    pub(super) fn ask_about_act(&mut self, now: Time) {
+        let OrderLife::Has(LegOrder { act: Some(act), .. }) = &self.order else { return };
+        if act.there.is_some_and(|there| now - there >= SAYS) {
+            self.look_again(now);
         }
     }
 

@@ -2,6 +2,7 @@
 //!
 //! Refuses: the robot's clock; a report is from when the message arrived.
 
+use super::contact::NotReady;
 use super::session::RobotSession;
 use giveway_fleet::{Fault, LinkReach, LinkState, ObeyedLimits, Telemetry};
 use giveway_floor::time::Time;
@@ -75,6 +76,7 @@ impl RobotSession {
         match self.unreachable(now) {
             _ if self.line_down => LinkReach::LineDown,
             None => LinkReach::Answers,
+            Some(NotReady::Offline) => LinkReach::Off,
             Some(_) => LinkReach::Lost,
         }
     }

@@ -10,7 +10,7 @@ use super::contact::Obedience;
 use super::motion::SeenMotion;
 use super::notice::Notice;
 use super::operator::SentAction;
-use super::order::{LegOrder, OrderLife};
+use super::order::{LegOrder, OrderLife, UpdateLife};
 use super::overtaken::MessageOrder;
 use super::pause::PauseLife;
 use super::trust::Trust;
@@ -334,7 +334,8 @@ impl RobotSession {
         match &self.order {
             OrderLife::Idle => "no order".to_owned(),
             OrderLife::Has(leg) => {
-                format!("{} {}, released to visit {}, {:?}", leg.id, leg.update, leg.base, leg.sent)
+                let taken = if leg.sent == UpdateLife::Taken { "taken" } else { "not taken yet" };
+                format!("{}, update {}, released to visit {}, {taken}", leg.id, leg.update, leg.base)
             }
             OrderLife::Cancels { leg, .. } => format!("{} is being cancelled", leg.id),
         }
@@ -356,6 +357,7 @@ impl RobotSession {
             if !self.mind_charge(now) {
                 self.mind_order(now);
             }
+            self.ask_about_act(now);
             self.clear_instants(now);
         }
         for _lie in self.out.noticed.iter().filter(|notice| notice.is_lie()) {

@@ -283,7 +283,10 @@ impl MqttRobots {
             return self.note_unlisted(now, &address, level, connection);
         };
         self.counts.heard += 1;
-        here.keep(now, false, kind, &String::from_utf8_lossy(payload));
+        // One pose a second would leave no room for anything else.
+        if kind != TopicKind::Visualization {
+            here.keep(now, false, kind, &String::from_utf8_lossy(payload));
+        }
         let said = match read(kind, payload) {
             Ok(said) => said,
             Err(why) => {
