@@ -39,7 +39,7 @@ pub use outgoing::targets::{Network, Targets};
 pub use outgoing::webhooks::{FailedMessage, HookReply, HookRequest, Taken, Webhook, WebhookAccess};
 pub use port::answers::{AnswerPort, KeptAnswer, KeyedRequest, KnownRequest};
 pub use port::linked::{
-    ActionFate, LINK_QUESTIONS, LinkCounts, LinkQuestion, LinkedRobot, NewLinked, NotDone, NoticedOfRobot,
+    ActionFate, LINK_QUESTIONS, LinkQuestion, LinkTally, LinkedRobot, NewLinked, NotDone, NoticedOfRobot,
     OperatorAction, RobotTrust, SaidError, SaidMessage, SaidState, UnlistedRobot,
 };
 pub use port::moment::{LoopFigures, Moment, SharedHistory};

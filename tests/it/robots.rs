@@ -84,7 +84,8 @@ async fn the_life_of_a_robot_is_told_by_the_server_also_after_a_restart() {
     let one = until(at, "/v1/robots/robot-1", "a job done", |r| r["jobs_done"] == 1).await;
     assert!(one["driven_m"].as_f64().unwrap() > 1.0, "{one}");
     assert!(one["heard"].is_string() && one["silent_s"].as_f64().unwrap() < 5.0, "{one}");
-    let link = json!({"name": "sim", "connected": true, "capacity": null, "refuses": null});
+    let link =
+        json!({"name": "sim", "connected": true, "reach": "by_reports", "capacity": null, "refuses": null});
     assert_eq!(one["link"], link, "how it is reached");
     assert_eq!((&one["jobs_failed"], &one["id"]), (&json!(0), &json!("robot-1")), "{one}");
     assert!(one["alarms"].is_array() && one["activity"].is_string(), "{one}");

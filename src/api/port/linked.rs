@@ -38,7 +38,7 @@ pub const LINK_QUESTIONS: usize = 64;
 
 /// What a link counted, and how many of its robots are commanded.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LinkCounts {
+pub struct LinkTally {
     /// Messages that arrived from listed robots.
     pub heard: u64,
     /// Messages that were sent.

@@ -4,7 +4,7 @@
 //! values.
 
 use crate::dto::names::JobCountsDto;
-use crate::port::linked::LinkCounts;
+use crate::port::linked::LinkTally;
 use crate::port::moment::Moment;
 use crate::wire::words::RobotStateDto;
 use giveway_fleet::alarm::Alarm;
@@ -108,7 +108,7 @@ pub struct Metrics {
     pub hand_to_warning: Histogram,
     /// Messages from and to robots of other vendors.
     link_messages: Family<DirectionLabel, Counter>,
-    link_unreadable: Counter,
+    link_malformed: Counter,
     order_to_state: Histogram,
     link_robots: Family<StateLabel, Gauge>,
     /// HTTP requests.
@@ -163,7 +163,7 @@ impl Default for Metrics {
             pose_to_robot_stop: Histogram::new(seconds),
             hand_to_warning: Histogram::new(seconds),
             link_messages: Family::default(),
-            link_unreadable: Counter::default(),
+            link_malformed: Counter::default(),
             order_to_state: Histogram::new(seconds),
             link_robots: Family::default(),
             http: Family::default(),
@@ -276,18 +276,18 @@ impl Metrics {
     fn register_link(&mut self) {
         let r = &mut self.registry;
         r.register("link_messages", "Messages of VDA 5050, by direction", self.link_messages.clone());
-        r.register("link_unreadable", "Messages that could not be read", self.link_unreadable.clone());
+        r.register("link_malformed", "Messages of VDA 5050 that could not be read", self.link_malformed.clone());
         let taken = "From sending an order until a state shows that the robot has it";
         r.register_with_unit("order_to_state", taken, Unit::Seconds, self.order_to_state.clone());
         r.register("link_robots", "Robots that speak VDA 5050, by readiness", self.link_robots.clone());
     }
 
     /// Adds what the link to robots of other vendors counted.
-    pub fn note_link(&self, counts: &LinkCounts) {
+    pub fn note_link(&self, counts: &LinkTally) {
         for (direction, messages) in [("in", counts.heard), ("out", counts.sent)] {
             self.link_messages.get_or_create(&DirectionLabel { direction }).inc_by(messages);
         }
-        self.link_unreadable.inc_by(counts.unreadable);
+        self.link_malformed.inc_by(counts.unreadable);
         counts.taken.iter().for_each(|took| self.order_to_state.observe(took.as_secs_f64()));
         for (state, robots) in [("ready", counts.ready), ("not_ready", counts.not_ready)] {
             self.link_robots.get_or_create(&StateLabel { state: state.into() }).set(robots as i64);

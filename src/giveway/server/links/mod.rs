@@ -14,7 +14,7 @@ pub use mqtt::{MqttRobots, connect};
 
 pub use sim::{FloorSource, SimulatedFloor};
 
-use giveway_api::{LinkCounts, LinkQuestion};
+use giveway_api::{LinkQuestion, LinkTally};
 use giveway_drive::{Drive, DriveAlarm, LinkOutput};
 use giveway_fleet::Input;
 use giveway_floor::time::Time;
@@ -53,7 +53,7 @@ impl Links {
     }
 
     /// What the link to robots of others counted since the last call, if there is one.
-    pub fn take_counts(&mut self, now: Time) -> Option<LinkCounts> {
+    pub fn take_counts(&mut self, now: Time) -> Option<LinkTally> {
         self.mqtt.as_mut().map(|mqtt| mqtt.take_counts(now))
     }
 

@@ -10,7 +10,7 @@ mod robot;
 use crate::mqtt::broker::PASSWORD;
 use crate::mqtt::{LineEvent, LineMessage, LineSetup, MqttLine, broker_of, is_loopback, tls_of};
 use anyhow::Context;
-use giveway_api::{LINK_QUESTIONS, LinkCounts, LinkQuestion, UnlistedRobot};
+use giveway_api::{LINK_QUESTIONS, LinkQuestion, LinkTally, UnlistedRobot};
 use giveway_drive::{DriveAlarm, LinkOutput};
 use giveway_fleet::alarm::AlarmKind;
 use giveway_fleet::{Asker, Fleet, Input, Ledger, Reply, RobotAction, Token};
@@ -81,7 +81,7 @@ pub struct MqttRobots {
     /// Whether an alarm about claims is raised, and when one was noticed last.
     claimed: Option<Time>,
     has_new_claims: bool,
-    counts: LinkCounts,
+    counts: LinkTally,
     begun: Time,
 }
 
@@ -142,7 +142,7 @@ impl MqttRobots {
             alarms: Vec::new(),
             claimed: None,
             has_new_claims: false,
-            counts: LinkCounts::default(),
+            counts: LinkTally::default(),
             begun: now,
             link,
             map,
@@ -200,11 +200,11 @@ impl MqttRobots {
     }
 
     /// What was counted since the last call.
-    pub fn take_counts(&mut self, now: Time) -> LinkCounts {
+    pub fn take_counts(&mut self, now: Time) -> LinkTally {
         let is_ready = |here: &&RobotHere| here.number.is_some() && here.session.not_ready(now).is_none();
         let ready = self.robots.values().filter(is_ready).count();
         let not_ready = self.robots.len() - ready;
-        LinkCounts { ready, not_ready, ..std::mem::take(&mut self.counts) }
+        LinkTally { ready, not_ready, ..std::mem::take(&mut self.counts) }
     }
 
     /// Passes commands of the fleet on to the robots.
