@@ -37,11 +37,11 @@ pub struct EventDto {
     pub old: Option<String>,
     /// The state since then. For a job, its state; if that is the same as before, something else about the job was
     /// changed. For a robot, what happened last, as in its history. For a station, paused or resumed. For a worker,
-    /// registered, on_floor, lost_near, left, in_vehicle or on_foot. For an assignment, waiting, given, walking, working,
-    /// done or cancelled. For a closure, closed or reopened. For an alarm, active, acknowledged or cleared. For the fleet, fleet_stopped,
-    /// fleet_resumed, evacuation_began or evacuation_ended. For an encounter, what the fleet did about the robot. For a
-    /// robot that was replanned, the kind of `cause`; for a worker who left the path, deviated; for a worker's goal,
-    /// goal.
+    /// registered, on_floor, lost_near, left, in_vehicle or on_foot. For an assignment, waiting, given, walking,
+    /// working, done or cancelled. For a closure, closed or reopened. For an alarm, active, acknowledged or cleared.
+    /// For the fleet, fleet_stopped, fleet_resumed, evacuation_began or evacuation_ended. For an encounter, what the
+    /// fleet did about the robot. For a robot that was replanned, the kind of `cause`; for a worker who left the path,
+    /// deviated; for a worker's goal, goal.
     #[schema(example = "done")]
     pub new: String,
     /// The robot that is involved.

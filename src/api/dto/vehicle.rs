@@ -84,7 +84,7 @@ impl NewVehicle {
             let number = |n: f64| SentenceArg::rounded(n, 3);
             let sentence =
                 requests::not_between(number(fault.found), number(fault.least), number(fault.most));
-            FieldError::new(&format!("vehicle.{}", fault.key), sentence)
+            FieldError::new(format!("vehicle.{}", fault.key), sentence)
         };
         let vehicle = Vehicle::new(figures);
         vehicle.map(Mover::Vehicle).map_err(|faults| faults.into_iter().map(wrong).collect())

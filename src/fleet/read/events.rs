@@ -161,8 +161,7 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         Fact::Worker(WorkerFact::Noted { worker: w, .. }) => worker(w, "on_floor"),
         Fact::Worker(WorkerFact::Narrowed { worker: w, .. }) => worker(w, "lost_near"),
         Fact::Worker(WorkerFact::Cleared { worker: w, .. }) => worker(w, "left"),
-        Fact::Worker(WorkerFact::Moves { worker: w, mover: Mover::OnFoot, .. }) => worker(w, "on_foot"),
-        Fact::Worker(WorkerFact::Moves { worker: w, .. }) => worker(w, "in_vehicle"),
+        Fact::Worker(WorkerFact::Moves { worker: w, mover, .. }) => worker(w, moved(mover)),
         Fact::Encounter(EncounterFact::Deviated { worker: w, .. }) => {
             FloorEvent { kind: EventKind::WorkerDeviated, ..worker(w, "deviated") }
         }
@@ -187,6 +186,11 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         },
         _ => return None,
     })
+}
+
+/// What became of a worker who moves as this from now on.
+fn moved(mover: &Mover) -> &'static str {
+    if *mover == Mover::OnFoot { "on_foot" } else { "in_vehicle" }
 }
 
 /// The event of something noted for the record.

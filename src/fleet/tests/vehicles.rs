@@ -1,5 +1,5 @@
-//! Workers in vehicles: what they move as is a fact, robots keep out of more floor around them, and ways lead only where
-//! they fit.
+//! Workers in vehicles: what they move as is a fact, robots keep out of more floor around them, and ways lead only
+//! where they fit.
 
 use super::people::Puppet;
 use super::*;

@@ -258,7 +258,12 @@ fn predicted_segment(
     let home = || {
         let id = floor.next_assignment(worker)?;
         let goal = floor.warehouse().nodes[floor.ledger.assignments[&id].request.place].at;
-        Some(people.walkways.path(at, goal, &people.edges_too_narrow(people.mover(worker)))?.points)
+        Some(
+            people
+                .walkways
+                .path(at, goal, &people.walkways.edges_narrower_than(people.mover(worker).clearance_m()))?
+                .points,
+        )
     };
     match floor.settings.policy {
         HumanAwarePolicy::Shir => {
@@ -337,7 +342,7 @@ impl Floor<'_> {
         mover: Mover,
         (from, to): (Point, Point),
     ) -> Option<Vec<Point>> {
-        let mut cut = people.edges_too_narrow(mover);
+        let mut cut = people.walkways.edges_narrower_than(mover.clearance_m());
         for robot in self.ledger.present() {
             let (at, reach) = (self.place_of(robot), self.beside_m(robot, mover.half_width_m()));
             people.walkways.edges_within(at, reach).into_iter().for_each(|e| {

@@ -63,8 +63,8 @@ pub enum Mover {
     Vehicle(Vehicle),
 }
 
-/// A vehicle with a driver, such as a forklift: what it takes of the floor and how fast it may be. Whole millimetres, so
-/// that it is written down as it is.
+/// A vehicle with a driver, such as a forklift: what it takes of the floor and how fast it may be. Whole millimetres,
+/// so that it is written down as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Vehicle {
     length_mm: i64,
@@ -275,8 +275,8 @@ impl Mover {
         }
     }
 
-    /// How fast the worker may move now who was seen to move at `seen_mps`, metres per second. That speed is a mean over
-    /// the last moments, during which a vehicle may have gathered more.
+    /// How fast the worker may move now who was seen to move at `seen_mps`, metres per second. That speed is a mean
+    /// over the last moments, during which a vehicle may have gathered more.
     pub fn moves_mps(&self, seen_mps: f64, sigma_m: f64) -> f64 {
         match self {
             Mover::OnFoot => WALK_MPS,

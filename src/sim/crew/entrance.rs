@@ -1,6 +1,7 @@
 //! Where a simulated worker enters: at the door, or close to it if another person stands in the door.
 //!
-//! Main functions: [`entrance`], and [`vehicle_entrance`] for vehicles. Refuses: to let anybody step out in front of a robot that could not stop.
+//! Main functions: [`entrance`], and [`vehicle_entrance`] for vehicles. Refuses: to let anybody step out in front of a
+//! robot that could not stop.
 
 use crate::walker::{APART_M, PersonNear, RobotNear};
 use giveway_floor::geometry::Point;

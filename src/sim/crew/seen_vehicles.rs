@@ -1,8 +1,8 @@
 //! How people on foot and drivers see one another.
 //!
-//! Main type: [`SeenVehicles`]. Whoever is on foot minds a vehicle as they mind a robot: they stop before it, step aside, and
-//! do not walk in front of it. A driver minds people as they mind robots: the vehicle stops before them. Refuses: to
-//! move anybody.
+//! Main type: [`SeenVehicles`]. Whoever is on foot minds a vehicle as they mind a robot: they stop before it, step
+//! aside, and do not walk in front of it. A driver minds people as they mind robots: the vehicle stops before them.
+//! Refuses: to move anybody.
 
 use super::member::Member;
 use crate::walker::{BODY_M, PersonNear, RobotNear, parts};

@@ -224,14 +224,8 @@ impl RequestRow {
             }
             RequestRow::Cancel(token, job) => ask(token, JobAction::Cancel(JobId(job)).into()),
             RequestRow::RegisterWorker(token, name) => ask(token, WorkerAction::Register(name).into()),
-            RequestRow::MoveAs(token, worker, figures) => {
-                let vehicle = figures.and_then(Vehicle::of_whole_mm);
-                let mover = vehicle.map_or(Mover::OnFoot, Mover::Vehicle);
-                ask(token, WorkerAction::MoveAs(WorkerId(worker), mover).into())
-            }
-            RequestRow::ForgetWorker(token, worker) => {
-                ask(token, WorkerAction::Forget(WorkerId(worker)).into())
-            }
+            RequestRow::MoveAs(token, worker, figures) => ask(token, moves_as(worker, figures).into()),
+            RequestRow::ForgetWorker(token, worker) => ask(token, forgotten(worker).into()),
             RequestRow::Clear(token, worker) => ask(token, cleared(worker, String::new()).into()),
             RequestRow::ClearedBy(token, worker, by) => ask(token, cleared(worker, by).into()),
             RequestRow::Narrow(row) => ask(row.token, row.action().into()),
@@ -264,6 +258,17 @@ impl RequestRow {
 fn maintained(robot: u32, begins: bool) -> RobotAction {
     let robot = RobotId(robot);
     if begins { RobotAction::BeginMaintenance(robot) } else { RobotAction::EndMaintenance(robot) }
+}
+
+/// A worker who gets into a vehicle with these figures, or off one.
+fn moves_as(worker: u32, figures: Option<[i64; 6]>) -> WorkerAction {
+    let vehicle = figures.and_then(Vehicle::of_whole_mm);
+    WorkerAction::MoveAs(WorkerId(worker), vehicle.map_or(Mover::OnFoot, Mover::Vehicle))
+}
+
+/// A worker who is forgotten.
+fn forgotten(worker: u32) -> WorkerAction {
+    WorkerAction::Forget(WorkerId(worker))
 }
 
 /// A person's statement that the belief about a worker is wrong.

@@ -8,6 +8,7 @@ mod closures;
 mod evacuations;
 mod faults;
 mod habits;
+mod sensors;
 mod shares;
 mod vehicles;
 mod workforce;
@@ -17,10 +18,9 @@ pub use closures::Closing;
 pub use evacuations::Evacuation;
 pub use faults::Faults;
 pub use habits::Habits;
+pub use sensors::{SecondTag, Sensor, Source};
 pub use shares::LocalPlannerWord;
-pub use workforce::{
-    Assignments, Causes, Deviations, Personas, Rates, SecondTag, Sensor, Source, TaskSharing, Workers,
-};
+pub use workforce::{Assignments, Causes, Deviations, Personas, Rates, TaskSharing, Workers};
 
 use giveway_fleet::{Closure, RecurringClosure, RobotKind};
 use giveway_floor::time::{Span, Time};

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`DrivenVehicle`]. Refuses: figures that no vehicle has, all at once.
 
-use super::workforce::SecondTag;
+use super::sensors::SecondTag;
 use giveway_people::human::{Vehicle, VehicleFault, VehicleFigures};
 use giveway_site::SiteError;
 use serde::Deserialize;

@@ -151,8 +151,8 @@ impl Walkways {
     }
 
     /// Where something that keeps `clearance_m` (metres) from obstacles can stand to serve a place: for a person, who
-    /// needs none, the nearest point of the floor; else the nearest middle line in sight that is wide enough, no farther
-    /// than a few metres away. Nothing if there is none.
+    /// needs none, the nearest point of the floor; else the nearest middle line in sight that is wide enough, no
+    /// farther than a few metres away. Nothing if there is none.
     pub fn stand_near(&self, place: Point, clearance_m: f64) -> Option<Point> {
         let on_floor = self.on_floor(place)?;
         if self.clearance_m(on_floor) >= clearance_m {
