@@ -276,7 +276,11 @@ impl Metrics {
     fn register_link(&mut self) {
         let r = &mut self.registry;
         r.register("link_messages", "Messages of VDA 5050, by direction", self.link_messages.clone());
-        r.register("link_malformed", "Messages of VDA 5050 that could not be read", self.link_malformed.clone());
+        r.register(
+            "link_malformed",
+            "Messages of VDA 5050 that could not be read",
+            self.link_malformed.clone(),
+        );
         let taken = "From sending an order until a state shows that the robot has it";
         r.register_with_unit("order_to_state", taken, Unit::Seconds, self.order_to_state.clone());
         r.register("link_robots", "Robots that speak VDA 5050, by readiness", self.link_robots.clone());

@@ -55,7 +55,8 @@ pub struct RobotLinkDto {
     /// Whether messages reach the robot, as far as the link knows.
     pub connected: bool,
     /// How the link knows: `by_reports` (it does not: a robot that sends no reports is silent), `answers` (the robot
-    /// answers when it is asked), `lost` (nothing reaches it), `off` (it has said that it is being switched off), `line_down` (nothing reaches any robot of the link).
+    /// answers when it is asked), `lost` (nothing reaches it), `off` (it has said that it is being switched off),
+    /// `line_down` (nothing reaches any robot of the link).
     #[schema(example = "answers")]
     pub reach: &'static str,
     /// How many visits beyond the last one reached an order can contain; null for any number.
