@@ -3,7 +3,7 @@
 //! Main types: [`Sighting`] (what a source reports), [`Track`] (where a worker is), [`Follower`] (progress along the
 //! assigned path), [`Distances`] (from anywhere to each goal, repaired as robots block the way), [`tiles`] (how good
 //! positions and headings are for each goal on a small floor), [`Intention`] (where a person is going, with what
-//! probability), [`Mover`] (on foot, or in a vehicle), [`Hypothesis`] and [`Passage`] (where a person will be, and when).
+//! probability), [`Mover`] (on foot, or in a vehicle), [`Hypothesis`] and [`Passage`] (where a person will be, when).
 //! Refuses: to know robots' routes, and to decide anything; modules that know both people and routes are in `aware`.
 
 mod coverage;
