@@ -357,7 +357,7 @@ fn people(case: &SwarmCase, seconds: f64, random: &mut Stream, sensors: &mut Str
 
 /// Vehicles with a driver, on some floors: from pallet stackers to trucks that fit on wide roads only. On a floor where
 /// a vehicle gets to no door, it stays outside.
-fn vehicles(random: &mut Stream) -> Value {
+fn vehicles(most: usize, random: &mut Stream) -> Value {
     let count = if random.happens_of(0.25) { 1 + random.below(2) } else { 0 };
     let vehicle = |random: &mut Stream| {
         let length_m = random.between(1.2, 3.0);
@@ -371,7 +371,7 @@ fn vehicles(random: &mut Stream) -> Value {
             "tag": {"accuracy_m": random.between(0.02, 0.3), "period_s": random.between(0.1, 0.5)},
         })
     };
-    json!((0..count).map(|_| vehicle(random)).collect::<Vec<_>>())
+    json!((0..count.min(most)).map(|_| vehicle(random)).collect::<Vec<_>>())
 }
 
 /// A device: sometimes a good one, else a bad one; one with large drift or rotation reports wrong places.
