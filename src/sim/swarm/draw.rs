@@ -114,8 +114,9 @@ fn file(case: &SwarmCase, warehouse: &Warehouse, (robots, places): (usize, usize
     put("faults", wrong);
     put("closures", closures(case, seconds, warehouse, &mut stream(CLOSURES)));
     let mut crew = people(case, seconds, &mut stream(PEOPLE), &mut stream(SENSORS));
+    let drivers = case.workers.unwrap_or(usize::MAX);
     crew["vehicles"] =
-        if case.has(SwarmPart::Vehicles) { vehicles(&mut stream(VEHICLES)) } else { json!([]) };
+        if case.has(SwarmPart::Vehicles) { vehicles(drivers, &mut stream(VEHICLES)) } else { json!([]) };
     put("workers", crew);
     if case.has(SwarmPart::Fleet)
         && let Some((key, value)) = kinds(warehouse, case.robots.unwrap_or(robots), &mut stream(KINDS))
