@@ -115,9 +115,11 @@ impl RobotSession {
             Some(ConnectionState::Hibernating) => return Some(NotReady::Hibernating),
             Some(ConnectionState::Online) | None => {}
         }
-        let Some((heard, _)) = &self.state else { return Some(NotReady::NeverSeen) };
-        let unanswered = self.state_asked.is_some_and(|asked| asked > *heard && now - asked >= SILENCE);
-        unanswered.then_some(NotReady::Silent)
+        if self.state.is_none() {
+            return Some(NotReady::NeverSeen);
+        }
+        let is_silent = self.unanswered.is_some_and(|asked| now - asked >= SILENCE);
+        is_silent.then_some(NotReady::Silent)
     }
 
     /// Why the robot, which can be reached, takes no orders.
@@ -173,6 +175,7 @@ impl RobotSession {
     /// Asks for a state now.
     pub(super) fn request_state(&mut self, now: Time) {
         self.state_asked = Some(now);
+        self.unanswered.get_or_insert(now);
         let id = self.new_id();
         self.instant("stateRequest", &id, Vec::new());
     }

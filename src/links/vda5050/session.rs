@@ -154,6 +154,8 @@ pub struct RobotSession {
     pub(super) line_down: bool,
     /// When a state was asked for last.
     pub(super) state_asked: Option<Time>,
+    /// When the first of the requests for a state was sent that are not answered yet.
+    pub(super) unanswered: Option<Time>,
     pub(super) motion: SeenMotion,
     pub(super) obedience: Obedience,
     pub(super) pause: PauseLife,
@@ -206,6 +208,7 @@ impl RobotSession {
             poses: MessageOrder::default(),
             line_down: false,
             state_asked: None,
+            unanswered: None,
             motion: SeenMotion::default(),
             obedience: Obedience::Unproven,
             pause: PauseLife::default(),
@@ -282,7 +285,7 @@ impl RobotSession {
 
     /// The line to the broker is back: what was sent while it was down never left, and nobody knows what was heard.
     pub fn line_is_back(&mut self, now: Time) -> SessionOutput {
-        self.line_down = false;
+        (self.line_down, self.unanswered) = (false, None);
         self.request_state(now);
         self.go_on(now)
     }
@@ -321,6 +324,7 @@ impl RobotSession {
         self.other_version = None;
         self.see(now, state.position.as_ref(), state.velocity);
         self.state = Some((now, state));
+        self.unanswered = None;
         self.note_paused(now);
         self.adopt();
         self.note_order(now);

@@ -171,3 +171,19 @@ fn an_order_of_ours_with_numbers_that_no_order_has_is_not_taken_for_one() {
         assert_eq!(session.order_text(), "no order");
     }
 }
+
+#[test]
+fn a_robot_that_says_nothing_more_is_silent_however_often_it_is_asked() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_1)]);
+    floor.all_ready();
+    floor.submit_deliveries(1);
+    floor.until(60, "it drives", |f| f.pairs[0].speed_mps() > 0.3);
+    // Nobody says that its connection is broken: it died without its broker noticing.
+    floor.pairs[0].robot.robot.lose_broker();
+    floor.step(vec![Input::ask(5, giveway_fleet::FloorAction::Halt(None))]);
+    for _second in 0..40 {
+        floor.pairs[0].session.look_again(floor.now);
+        floor.run(1);
+    }
+    assert_eq!(floor.pairs[0].session.not_ready(floor.now), Some(NotReady::Silent));
+}
