@@ -3,7 +3,7 @@
 //! Main functions: [`Store::keep_alarms`], [`Store::active_alarms`], [`Store::alarms`]. Refuses: to be a dependency of
 //! anything else: rows of kinds unknown to this Giveway are left out.
 
-use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError, events};
+use super::{BEGIN, COMMIT, Store, StoreError, events, settle};
 use giveway_fleet::alarm::{
     Acknowledgement, Alarm, AlarmKind, AlarmNote, AlarmQuery, AlarmSeverity, AlarmSubject, Shelving,
     SubjectKind,
@@ -53,13 +53,7 @@ impl Store {
         self.check_place()?;
         let mut connection = self.writer.acquire().await?;
         let result = write(&mut connection, alarms).await;
-        if let Err(e) = &result {
-            // As with the journal: on a full disk SQLite has rolled back by itself.
-            let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
-            if !e.leaves_connection_sound() {
-                let _ = connection.close().await;
-            }
-        }
+        let result = settle(connection, result).await;
         self.news.send_replace(());
         result
     }
@@ -91,11 +85,13 @@ impl Store {
             None => some,
         };
         let rows = some.fetch_all(&self.readers).await?;
+        debug_assert!(rows.len() as i64 <= i64::from(q.limit), "a page is no longer than was asked for");
         Ok(rows.iter().filter_map(read).collect())
     }
 }
 
 async fn write(db: &mut SqliteConnection, alarms: &[Alarm]) -> Result<(), StoreError> {
+    debug_assert!(alarms.iter().all(|a| a.id > 0), "alarms are numbered from 1");
     sqlx::query(BEGIN).execute(&mut *db).await?;
     for a in alarms {
         let (noted, shelved) = (a.acknowledged.as_ref(), a.shelved.as_ref());

@@ -68,6 +68,7 @@ impl Store {
     ) -> Result<(), StoreError> {
         let [caller, route, name] = key;
         let (status, location, body) = answer;
+        debug_assert!((100..600).contains(&status), "{status} is no status of an answer");
         let query = sqlx::query(FINISH).bind(caller).bind(route).bind(name);
         query.bind(status).bind(location).bind(body).execute(&self.writer).await?;
         Ok(())

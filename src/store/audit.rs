@@ -4,7 +4,7 @@
 //! requests behind a step. A request that caused facts is written in their transaction. Refuses: to change what was
 //! written, except for the outcome of a request whose answer came later.
 
-use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
+use super::{BEGIN, COMMIT, Store, StoreError, settle};
 use futures_util::TryStreamExt;
 use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
@@ -74,14 +74,7 @@ impl Store {
         self.check_place()?;
         let mut connection = self.writer.acquire().await?;
         let result = keep(&mut connection, rows).await.map_err(StoreError::from);
-        if let Err(e) = &result {
-            // As with the journal: on a full disk SQLite has rolled back by itself.
-            let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
-            if !e.leaves_connection_sound() {
-                let _ = connection.close().await;
-            }
-        }
-        result
+        settle(connection, result).await
     }
 
     /// The number of the last written request; 0 if there is none.
@@ -111,6 +104,7 @@ impl Store {
     /// # Errors
     /// If the database does not answer.
     pub async fn acts(&self, (from, to): (Time, Time)) -> Result<Vec<(String, u64)>, StoreError> {
+        debug_assert!(from <= to, "a time ends after it begins");
         let rows = sqlx::query(DONE).bind(from.0).bind(to.0).fetch_all(&self.readers).await?;
         let read = |row: &SqliteRow| Ok((row.try_get(0)?, row.try_get::<i64, _>(1)?.unsigned_abs()));
         Ok(rows.iter().map(read).collect::<Result<_, sqlx::Error>>()?)
@@ -141,6 +135,7 @@ pub(super) fn encode(causes: &[StepCause]) -> Option<String> {
 /// Writes the requests that caused facts of a step, in the step's transaction.
 pub(super) async fn project(db: &mut SqliteConnection, causes: &[StepCause]) -> Result<(), sqlx::Error> {
     for cause in causes {
+        debug_assert!(!cause.facts.is_empty(), "a request is written with the facts that it caused");
         write(&mut *db, BEGUN, &cause.request).await?;
     }
     Ok(())

@@ -319,5 +319,6 @@ fn changes(kind: GoneKind, old: &[&str], new: &[&str], known: &Gone, gone: &mut 
             changes.push((id, to));
         }
     }
+    debug_assert!(changes.is_sorted_by(|a, b| a.0 < b.0), "each number changes once");
     changes
 }

@@ -82,6 +82,7 @@ impl Store {
 
 /// The query of a page of events: rare kinds, too, are found without reading the other events.
 pub(super) fn page(q: &EventQuery) -> QueryBuilder<Sqlite> {
+    debug_assert!(q.limit > 0, "a page has room for a row");
     let mut query = QueryBuilder::new(SOME);
     if q.kinds.is_empty() {
         query.push(ANY).push_bind(q.after).push(" ORDER BY seq LIMIT ").push_bind(q.limit);
@@ -115,6 +116,7 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) ->
 /// Writes an alarm's change of state, if there is one. A group's alarm speaks for a member that had no event before it
 /// joined.
 pub(super) async fn note_alarm(db: &mut SqliteConnection, alarm: &Alarm) -> Result<(), sqlx::Error> {
+    debug_assert!(alarm.group != Some(alarm.id), "no alarm is a member of itself");
     if alarm.group.is_some() {
         let told = sqlx::query(TOLD).bind(alarm.id.cast_signed()).fetch_optional(&mut *db).await?;
         if told.is_none() {

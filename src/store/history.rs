@@ -3,7 +3,7 @@
 //! Main functions: [`Store::keep_history`], [`Store::load_history`]. Refuses: to be a dependency of anything else: rows
 //! that cannot be read are left out.
 
-use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
+use super::{BEGIN, COMMIT, Store, StoreError, settle};
 use giveway_fleet::history::{Bucket, DAY, HEAT_STEP, HeatBucket, History, Lengths, RobotTimes};
 use giveway_floor::id::NodeId;
 use giveway_floor::time::{Span, Time};
@@ -34,14 +34,7 @@ impl Store {
     ) -> Result<(), StoreError> {
         let mut connection = self.writer.acquire().await?;
         let result = write(&mut connection, now, buckets, heat).await;
-        if let Err(e) = &result {
-            // As with the journal: on a full disk SQLite has rolled back by itself.
-            let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
-            if !e.leaves_connection_sound() {
-                let _ = connection.close().await;
-            }
-        }
-        result
+        settle(connection, result).await
     }
 
     /// All stored buckets with their lengths, and where robots waited.
@@ -69,6 +62,7 @@ async fn write(
 ) -> Result<(), StoreError> {
     sqlx::query(BEGIN).execute(&mut *db).await?;
     for (step, b) in buckets {
+        debug_assert!(b.covered >= Span::ZERO && *step > Span::ZERO, "time passes in a bucket");
         let counts = [
             b.robot_deliveries,
             b.human_deliveries,

@@ -92,7 +92,8 @@ impl Store {
         let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
         let reach = TIMES.reach(self, (q.from, q.to, q.updated_since), before).await?;
         let (rows, rest) = listing(q, &reach).read(&self.readers).await?;
-        let rows = rows.iter().map(|row| decode(row, &self.gone)).collect::<Result<_, _>>()?;
+        let rows = rows.iter().map(|row| decode(row, &self.gone)).collect::<Result<Vec<_>, _>>()?;
+        debug_assert!(rows.is_sorted_by(|a, b| a.id > b.id), "the newest come first, each once");
         Ok(Listed::cut(rows, q.limit, rest.map(|id| JobId(id.unsigned_abs())), |row| row.id))
     }
 
@@ -103,6 +104,7 @@ impl Store {
     pub async fn count_jobs(&self) -> Result<(u64, u64), StoreError> {
         let row = sqlx::query(COUNT).fetch_one(&self.readers).await?;
         let (all, open): (i64, i64) = (row.try_get(0)?, row.try_get(1)?);
+        debug_assert!(0 <= open && open <= all, "open jobs are jobs");
         Ok((all.unsigned_abs(), open.unsigned_abs()))
     }
 }

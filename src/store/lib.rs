@@ -77,10 +77,11 @@ use giveway_floor::warehouse::Warehouse;
 use gone::Gone;
 use identity::OpenFiles;
 use lock::{Lock, LockRecord};
-use sqlx::AssertSqlSafe;
+use sqlx::pool::PoolConnection;
 use sqlx::sqlite::{
     SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
 };
+use sqlx::{AssertSqlSafe, Sqlite};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -274,6 +275,21 @@ impl Store {
         self.writer.close().await;
         self.lock.release();
     }
+}
+
+/// Ends a write on this connection: what failed is rolled back, and a connection that is not sound is closed.
+async fn settle<T>(
+    mut connection: PoolConnection<Sqlite>,
+    result: Result<T, StoreError>,
+) -> Result<T, StoreError> {
+    if let Err(e) = &result {
+        // On a full disk SQLite has rolled back by itself; then this statement fails, which is as good.
+        let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
+        if !e.leaves_connection_sound() {
+            let _ = connection.close().await;
+        }
+    }
+    result
 }
 
 fn days(n: u32) -> Span {

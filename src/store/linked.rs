@@ -51,6 +51,7 @@ impl Store {
     pub async fn keep_linked_robot(&self, row: &LinkedRow) -> Result<(), StoreError> {
         self.check_place()?;
         let LinkedRow { name, manufacturer, serial, kind, version } = row;
+        debug_assert!([name, manufacturer, serial, kind].iter().all(|text| !text.is_empty()), "it is named");
         let query = sqlx::query(KEEP).bind(name).bind(manufacturer).bind(serial).bind(kind).bind(version);
         query.execute(&self.writer).await?;
         self.check_place()

@@ -149,6 +149,7 @@ impl Lock {
     /// Notes that steps up to this one are durable. If the write fails, the older record stays, which is also true.
     pub fn note(&self, last: i64) {
         if let Some(held) = &mut *self.held() {
+            debug_assert!(last >= held.record.last, "the journal grows");
             held.record.last = last;
             held.write();
         }
@@ -179,6 +180,7 @@ impl Lock {
 impl LockHeld {
     fn write(&mut self) {
         let mut text = serde_json::to_vec(&self.record).expect("a record is plain");
+        assert!(text.len() <= RECORD_BYTES, "a record has room in its file");
         text.resize(RECORD_BYTES, b'\n');
         if let Err(e) = self.side.seek(SeekFrom::Start(0)).and_then(|_| self.side.write_all(&text)) {
             tracing::debug!("the lock file is not written: {e}");

@@ -89,7 +89,8 @@ impl Store {
         let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
         let reach = ASSIGNMENT_TIMES.reach(self, (q.from, q.to, q.updated_since), before).await?;
         let (rows, rest) = list_assignments(q, &reach).read(&self.readers).await?;
-        let rows = rows.iter().map(|row| assignment(row, &self.gone)).collect::<Result<_, _>>()?;
+        let rows = rows.iter().map(|row| assignment(row, &self.gone)).collect::<Result<Vec<_>, _>>()?;
+        debug_assert!(rows.is_sorted_by(|a, b| a.id > b.id), "the newest come first, each once");
         Ok(Listed::cut(rows, q.limit, rest.map(|id| AssignmentId(id.unsigned_abs())), |row| row.id))
     }
 
@@ -100,7 +101,8 @@ impl Store {
     pub async fn encounters(&self, q: &EncounterQuery) -> Result<Listed<EncounterRow, i64>, StoreError> {
         let (listing, db) = (list_encounters(q, &self.reach(q).await?), &self.readers);
         let (rows, rest) = listing.read(db).await?;
-        let rows = rows.iter().map(encounter).collect::<Result<_, _>>()?;
+        let rows = rows.iter().map(encounter).collect::<Result<Vec<_>, _>>()?;
+        debug_assert!(rows.is_sorted_by(|a, b| a.seq > b.seq), "the newest come first, each once");
         Ok(Listed::cut(rows, q.limit, rest, |row| row.seq))
     }
 

@@ -61,6 +61,7 @@ pub(super) async fn note(db: &mut SqliteConnection, note: &MapNote) -> Result<()
         MapNote::Forget => _ = sqlx::query(FORGET).execute(&mut *db).await?,
         MapNote::Publish(map, request) => {
             let PublishedMap { number, at, by, file } = map.clone();
+            debug_assert!(number > 0, "published maps are numbered from 1");
             let record = PublishedRecord { number, at: at.0, by, file };
             let text = serde_json::to_string(&record).expect("a record is plain");
             sqlx::query(PUT).bind(text).execute(&mut *db).await?;

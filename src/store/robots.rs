@@ -50,7 +50,10 @@ impl Store {
             .fetch_all(&self.readers)
             .await?;
         let rows: Result<Vec<_>, sqlx::Error> = rows.iter().map(decode).collect();
-        Ok(rows?.into_iter().flatten().collect())
+        let events: Vec<RobotEventRow> = rows?.into_iter().flatten().collect();
+        debug_assert!(events.len() <= q.limit as usize, "a page is no longer than was asked for");
+        debug_assert!(events.is_sorted_by(|a, b| a.at >= b.at), "the newest come first");
+        Ok(events)
     }
 
     /// Number of listed jobs that a robot did, and that it failed.

@@ -54,6 +54,7 @@ impl Store {
     /// # Errors
     /// If the database refuses the write.
     pub async fn add_session(&self, new: &SessionRow) -> Result<(), StoreError> {
+        debug_assert!(new.created < new.expires, "a session lasts for some time");
         let (name, role) = new.person.as_ref().map(|(name, role)| (name, role)).unzip();
         let mut tx = self.writer.begin_with("BEGIN IMMEDIATE").await?;
         let query = sqlx::query(ADD).bind(&new.hash).bind(&new.token).bind(name).bind(role);

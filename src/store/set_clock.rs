@@ -61,6 +61,7 @@ impl Store {
         let (carried, sound) =
             folded.map_err(|_| broken("the journal contradicts itself, as said above".into()))?;
         sound.map_err(|why| broken(why.to_string()))?;
+        debug_assert!(carried.waiting.is_sorted(), "jobs wait in order");
         let report = carried.report.clone();
         let Some(parts) = carried.parts.filter(|_| report.losses.is_empty()) else {
             let (theirs, ours, report) = (new.name.clone(), new.name.clone(), Box::new(report));

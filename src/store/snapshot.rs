@@ -3,7 +3,7 @@
 //! Main function: [`Store::snapshot`]. The last two are kept; the steps that led to the older one are deleted bit by
 //! bit with the appends that follow (`retention`). Refuses: a snapshot of anything but the last step.
 
-use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError, ledger_record};
+use super::{BEGIN, COMMIT, Store, StoreError, ledger_record, settle};
 use giveway_fleet::{Ledger, Parts};
 use giveway_floor::time::Time;
 use sqlx::Row;
@@ -36,13 +36,7 @@ impl Store {
         let body = encoded.await.expect("writing text does not break");
         let mut connection = self.writer.acquire().await?;
         let result = self.write_snapshot(&mut connection, (seq, at), &body).await;
-        if let Err(e) = &result {
-            let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
-            if !e.leaves_connection_sound() {
-                let _ = connection.close().await;
-            }
-        }
-        result
+        settle(connection, result).await
     }
 
     async fn write_snapshot(

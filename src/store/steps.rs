@@ -4,8 +4,8 @@
 //! no start ever sees a part of a step. Refuses: rows that cannot be read, gaps, and rows of another process.
 
 use super::{
-    ABOUT, BEGIN, COMMIT, ROLLBACK, StepCause, Store, StoreError, audit, events, jobs, people, record,
-    retention, robots, snapshot,
+    ABOUT, BEGIN, COMMIT, StepCause, Store, StoreError, audit, events, jobs, people, record, retention,
+    robots, settle, snapshot,
 };
 use futures_util::TryStreamExt;
 use giveway_fleet::{Fact, Ledger};
@@ -88,18 +88,13 @@ impl Store {
     pub async fn append(&self, next: i64, steps: &[StepEntry]) -> Result<(), StoreError> {
         self.place.check()?;
         debug_assert!(next > 0, "steps are numbered from 1");
+        debug_assert!(steps.iter().all(|s| !s.facts.is_empty()), "a step that changed nothing is no entry");
+        debug_assert!(steps.is_sorted_by(|a, b| a.at <= b.at), "steps come in order");
         let names_facts = |s: &StepEntry| s.causes.iter().all(|cause| cause.facts.end <= s.facts.len());
         debug_assert!(steps.iter().all(names_facts), "requests caused facts of their own step");
         let mut connection = self.writer.acquire().await?;
         let result = self.write(&mut connection, next, steps).await;
-        if let Err(e) = &result {
-            // On a full disk SQLite has rolled back by itself; then this statement fails, which is as good.
-            let _ = sqlx::query(ROLLBACK).execute(&mut *connection).await;
-            if !e.leaves_connection_sound() {
-                let _ = connection.close().await;
-            }
-        }
-        if result? {
+        if settle(connection, result).await? {
             self.news.send_replace(());
         }
         self.lock.note(next - 1 + steps.len() as i64);
@@ -176,6 +171,7 @@ pub(super) async fn load(db: &SqlitePool, empty: Ledger) -> Result<Loaded, Store
         out.next = seq + 1;
         out.steps.push(entry);
     }
+    debug_assert_eq!(out.next - 1, behind + out.steps.len() as i64, "every step is there once");
     Ok(out)
 }
 

@@ -132,6 +132,7 @@ impl TokenTable {
     /// If the database refuses the write.
     pub async fn add(&self, new: &TokenDraft) -> Result<Option<i64>, StoreError> {
         // First, so that an error means that no token was added.
+        debug_assert!(new.expires.is_none_or(|end| end > new.created), "a token is of use for some time");
         sqlx::query(FORGET).bind(new.created.0).bind(MOST_OVER).execute(&self.writer).await?;
         let added = sqlx::query_scalar(ADD)
             .bind(&new.name)

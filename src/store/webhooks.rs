@@ -135,6 +135,7 @@ impl Store {
         (first, last): (i64, i64),
         now: Time,
     ) -> Result<(), StoreError> {
+        debug_assert!(first <= last, "a message has an event");
         let mut tx = self.writer.begin_with("BEGIN IMMEDIATE").await?;
         sqlx::query(GIVE_UP).bind(id).bind(first).bind(last).bind(now.0).execute(&mut *tx).await?;
         sqlx::query(FORGET).bind(id).bind(MOST_FAILED).execute(&mut *tx).await?;
