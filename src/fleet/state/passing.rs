@@ -99,6 +99,7 @@ impl PassingStretch {
     pub fn of_lane(warehouse: &Warehouse, from: NodeId, to: NodeId) -> Option<PassingStretch> {
         let (_, arc) = warehouse.out(from).find(|(_, arc)| arc.to == to)?;
         let lane = &warehouse.lanes[arc.lane];
+        debug_assert!(lane.a == from || lane.b == from, "an arc is on its lane");
         let corridor = lane.corridor?;
         let corridor = if lane.a == from { corridor } else { corridor.reversed() };
         let at = |n| warehouse.nodes[n].at;

@@ -46,6 +46,7 @@ impl Tickets {
             let Some(station) = floor.station_of(robot) else { continue };
             let ticket = self.0.entry(robot).or_insert(Ticket { station, since: now, lapsed: None });
             ticket.lapsed = ticket.lapsed.filter(|since| now - *since < LAPSE);
+            debug_assert_eq!(ticket.station, station, "{robot:?} has the ticket of another station");
         }
     }
 
@@ -96,6 +97,10 @@ impl Floor<'_> {
                 bound[station] += 1;
             }
         }
+        debug_assert!(
+            bound.iter().sum::<usize>() <= self.ledger.present().count(),
+            "each robot has one place"
+        );
         bound
     }
 }

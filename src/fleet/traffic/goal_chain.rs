@@ -37,6 +37,7 @@ impl Traffic {
     pub(super) fn break_goal_chain(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         let floor = writer.floor();
         let Some(GoalChain { robots, leaver }) = floor.goal_chain(robot) else { return };
+        debug_assert!(robots.contains(&leaver), "{leaver:?} leaves a chain in which it does not wait");
         let can_drive = |r: &RobotId| floor.scene.fit(*r, now).is_some() && !floor.is_halted(*r);
         if !robots.iter().all(can_drive) || leaver != robot && floor.is_critical(leaver) {
             return;

@@ -35,6 +35,10 @@ impl Traffic {
             tracing::debug!(?robot, "its place at the station lapses");
             self.needs.tickets.lapse(robot, now);
             truncate_behind(writer, robot);
+            debug_assert!(
+                writer.floor().lacks_route(robot),
+                "{robot:?} keeps the way to the place that it lost"
+            );
         }
     }
 

@@ -44,6 +44,7 @@ impl Yielding {
                 }
                 _ => open.first().copied(),
             };
+            debug_assert!(chosen.is_none_or(|d| all.contains(&d)), "{robot:?} turns where it cannot go");
             traffic.direct(robot, chosen, now);
         }
     }
