@@ -144,9 +144,11 @@ impl RobotSession {
         self.progress.as_ref()?.failed.as_ref().map(|failed| failed.words.as_str())
     }
 
-    /// A person has looked after a robot whose action failed or that refused orders, and it carries this now.
+    /// A person has looked after a robot whose action failed or that refused orders, and it carries this now. What the
+    /// fleet wanted before is not done any more: the job may be another robot's.
     pub fn settle(&mut self, rack: Option<RackId>) {
         self.rejected.0 = 0;
+        self.wanted = None;
         if let Some(progress) = &mut self.progress {
             (progress.failed, progress.rack) = (None, rack);
         }

@@ -29,8 +29,9 @@ pub(super) struct Cancel {
 impl RobotSession {
     /// Takes back what the robot was released and has not driven, if it stands where the fleet believes.
     pub(super) fn revoke(&mut self, now: Time, reached: u64, number: u64) {
+        let knows = self.knows_what_was_ordered();
         let Some(progress) = &mut self.progress else { return };
-        if progress.reached != reached || number != progress.recalls + 1 {
+        if progress.reached != reached || number != progress.recalls + 1 || !knows {
             return;
         }
         self.wanted = None;
@@ -64,9 +65,10 @@ impl RobotSession {
             self.end_cancel(&cancel);
             return true;
         }
-        self.look_again(now);
-        let says = self.says_finished(&cancel.asked.id);
+        let asked = self.ask_again(now, cancel.asked.clone(), CANCEL);
+        let says = self.says_finished(&asked.id);
         let OrderLife::Cancels { cancel, .. } = &mut self.order else { return true };
+        cancel.asked = asked;
         cancel.said = cancel.said.or(says.then_some(now));
         let goes_on = cancel.said.is_some_and(|said| now - said >= BRAKES);
         if goes_on && !std::mem::replace(&mut cancel.is_false, true) {

@@ -176,6 +176,7 @@ impl RobotSession {
     pub(super) fn request_state(&mut self, now: Time) {
         self.state_asked = Some(now);
         self.unanswered.get_or_insert(now);
+        self.first_asked.get_or_insert(now);
         let id = self.new_id();
         self.instant("stateRequest", &id, Vec::new());
     }
@@ -199,23 +200,28 @@ impl RobotSession {
                 Some(Ok(())) => self.obedience = Obedience::GoesOn(self.ask(now, STOP_PAUSE)),
                 Some(Err(words)) => self.obedience = Obedience::Failed(words),
                 None if now - asked.since >= PROVES => self.obedience = Obedience::Failed(None),
-                None => self.obedience = Obedience::Pauses(self.prove_again(now, asked, START_PAUSE)),
+                None => self.obedience = Obedience::Pauses(self.ask_again(now, asked, START_PAUSE)),
             },
             Obedience::GoesOn(asked) => match self.was_heeded(&asked, false) {
                 Some(Ok(())) => self.obedience = Obedience::Proven,
                 Some(Err(words)) => self.obedience = Obedience::Failed(words),
                 None if now - asked.since >= PROVES => self.obedience = Obedience::Failed(None),
-                None => self.obedience = Obedience::GoesOn(self.prove_again(now, asked, STOP_PAUSE)),
+                None => self.obedience = Obedience::GoesOn(self.ask_again(now, asked, STOP_PAUSE)),
             },
             Obedience::Proven | Obedience::Failed(_) | Obedience::Consented => {}
         }
     }
 
-    /// Looks again whether the robot obeys; what a later state does not show at all was lost and is sent again.
-    fn prove_again(&mut self, now: Time, mut asked: AskedAction, kind: &str) -> AskedAction {
+    /// Looks again whether the robot has done what it was asked to do. What a later state does not show at all was lost,
+    /// and is sent again, with the same id.
+    pub(super) fn ask_again(&mut self, now: Time, mut asked: AskedAction, kind: &str) -> AskedAction {
         const SHOWS: Span = Span::from_millis(1500);
-        let heard = self.state.as_ref().is_some_and(|(at, _)| *at >= asked.last + SHOWS);
-        if heard && self.action_state(&asked.id).is_none() {
+        /// A robot that was asked so often lists no actions: it is asked seldom from then on.
+        const OFTEN: u32 = 5;
+        const SELDOM: Span = Span::from_secs(30);
+        let shows = if asked.tries < OFTEN { SHOWS } else { SELDOM };
+        let heard = self.state.as_ref().is_some_and(|(at, _)| *at >= asked.last + shows);
+        if heard && self.action_state(&asked.id).is_none() && self.unreachable(now).is_none() {
             (asked.last, asked.tries) = (now, asked.tries + 1);
             self.instant(kind, &asked.id, Vec::new());
         }

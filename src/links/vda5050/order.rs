@@ -15,7 +15,7 @@ use giveway_floor::geometry::Point;
 use giveway_floor::id::NodeId;
 use giveway_floor::time::{Span, Time};
 use giveway_site::RepeatRule;
-use giveway_vda5050::{Edge, Message, Node, NodePosition, Order, RobotError, TopicKind};
+use giveway_vda5050::{Edge, Message, Node, NodePosition, Order, RobotError, State, TopicKind};
 
 /// An order that a state does not reflect after this is asked about.
 const TAKES: Span = Span::from_millis(1000);
@@ -25,8 +25,6 @@ const TIMES: u32 = 3;
 const RESTS: Span = Span::from_secs(5);
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.05;
-/// Updates of an order of an earlier process leap by this, so that what that process may still send has other numbers.
-const LEAP: u32 = 1000;
 
 /// The order that a robot has of us.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,9 +74,10 @@ pub(super) enum UpdateLife {
 }
 
 impl LegOrder {
-    /// Whether the order is one of an earlier process that announces nothing: its last node may have an action.
-    fn is_closed(&self) -> bool {
-        self.message.is_none() && !self.announces
+    /// Whether the order is one of an earlier process. No update of it is sent: another one with the same number may still
+    /// be on its way, and its last node may have an action.
+    fn is_adopted(&self) -> bool {
+        self.message.is_none()
     }
 
     /// The serial number of the visit with a sequence number.
@@ -93,15 +92,22 @@ impl RobotSession {
         first_of(order).is_some()
     }
 
-    /// Takes an order of an earlier process for its own, if the first state shows that the robot has or had one.
-    pub(super) fn adopt(&mut self) {
-        let (Some(granted), Some((_, state)), Some(progress)) =
-            (self.adopts, &self.state, &mut self.progress)
-        else {
-            return;
+    /// Takes an order of an earlier process for its own, if a state shows that the robot has or had one. What that process
+    /// sent last may reach the robot later than the first question of this one, so that each state is looked at until
+    /// this process has sent something itself.
+    pub(super) fn adopt(&mut self, now: Time) {
+        let Some(granted) = self.adopts else { return };
+        if !self.knows_what_was_ordered() {
+            return self.look_again(now);
+        }
+        let (Some((_, state)), Some(progress)) = (&self.state, &mut self.progress) else { return };
+        let drives = state.nodes.iter().any(|node| node.released);
+        let is_news = match &self.order {
+            OrderLife::Idle => drives || progress.acted.is_none(),
+            OrderLife::Has(leg) => leg.id != state.order && drives || state.update > leg.update,
+            OrderLife::Cancels { .. } => false,
         };
-        self.adopts = None;
-        let Some(first) = first_of(&state.order) else { return };
+        let Some(first) = first_of(&state.order).filter(|_| is_news) else { return };
         // The robot may say any number.
         let reached = first.saturating_add(u64::from(state.last_sequence / 2));
         if !(progress.reached..=granted).contains(&reached) {
@@ -113,7 +119,7 @@ impl RobotSession {
         self.order = OrderLife::Has(LegOrder {
             id: state.order.clone(),
             first,
-            update: state.update.min(u32::MAX - 2 * LEAP) + LEAP,
+            update: state.update,
             base,
             known: base,
             sent: UpdateLife::Taken,
@@ -123,6 +129,20 @@ impl RobotSession {
             complaints: Vec::new(),
             message: None,
         });
+    }
+
+    /// Whether no order of an earlier process can be unknown: there was none, or a state has come that answers this one.
+    pub(super) fn knows_what_was_ordered(&self) -> bool {
+        self.adopts.is_none() || self.is_answer()
+    }
+
+    /// Whether the robot said its last state after this session had asked for one: it lists what it was asked, or had
+    /// time to answer. An earlier state may be older than the last order of an earlier process.
+    fn is_answer(&self) -> bool {
+        let Some((heard, state)) = &self.state else { return false };
+        let ours = format!("gw-{}-", self.boot);
+        let lists = state.actions.iter().chain(&state.instant_actions).any(|a| a.id.starts_with(&ours));
+        lists || self.first_asked.is_some_and(|asked| *heard >= asked + TAKES)
     }
 
     /// Notes in a state what the robot has taken of its order, and how far it is with it.
@@ -167,13 +187,20 @@ impl RobotSession {
     }
 
     /// A drive that begins after all that the robot knows is for the place where it stands: people put it there, or it
-    /// could not do what it was to do.
-    pub(super) fn take_up(&mut self, drive: &WantedDrive) {
+    /// could not do what it was to do. An order of which only announced nodes are left is cancelled first.
+    fn take_up(&mut self, now: Time, drive: &WantedDrive) {
         let (Some(first), Some(progress)) = (drive.waypoints.first(), &mut self.progress) else { return };
         let here =
             self.motion.pose().is_some_and(|p| (self.map.nodes[first.node].at - p.at).norm() <= ON_NODE_M);
-        if first.serial > progress.known && here && self.order == OrderLife::Idle {
-            (progress.reached, progress.known) = (first.serial, first.serial);
+        if first.serial <= progress.known || !here {
+            return;
+        }
+        match &self.order {
+            OrderLife::Idle => (progress.reached, progress.known) = (first.serial, first.serial),
+            OrderLife::Has(leg) if leg.announces && progress.reached == leg.base => {
+                self.begin_cancel(now, None)
+            }
+            OrderLife::Has(_) | OrderLife::Cancels { .. } => {}
         }
     }
 
@@ -190,9 +217,11 @@ impl RobotSession {
 
     /// Sends what is to be driven and was not sent yet.
     pub(super) fn mind_order(&mut self, now: Time) {
-        let (Some(wanted), Some(progress)) = (self.wanted.clone(), &self.progress) else { return };
+        let Some(wanted) = self.wanted.clone() else { return };
+        self.take_up(now, &wanted);
+        let Some(progress) = &self.progress else { return };
         let waits = now < self.rests_until.max(self.next_order()) || self.might_set_off();
-        if progress.failed.is_some() || waits {
+        if progress.failed.is_some() || waits || !self.knows_what_was_ordered() {
             return;
         }
         let Some(end) = self.base_end(&wanted) else { return };
@@ -201,9 +230,9 @@ impl RobotSession {
             OrderLife::Idle if end > reached || acts => self.send_leg(now, &wanted, end),
             OrderLife::Has(leg) if leg.sent != UpdateLife::Taken => self.mind_update(now),
             OrderLife::Has(leg) if leg.act.is_some() => {}
-            OrderLife::Has(leg) if leg.is_closed() => {
-                if reached == leg.base && self.has_driven_all() {
-                    self.go_on_from_closed(now, &wanted, (end, acts));
+            OrderLife::Has(leg) if leg.is_adopted() => {
+                if reached == leg.base && (end > reached || acts) {
+                    self.go_on_from_adopted(now, &wanted, acts);
                 }
             }
             OrderLife::Has(leg) if end > leg.base => self.send_update(now, &wanted, end),
@@ -217,15 +246,16 @@ impl RobotSession {
         self.state.as_ref().is_some_and(|(_, state)| state.nodes.is_empty() && state.edges.is_empty())
     }
 
-    /// The robot has driven an order of an earlier process, which may have ended with an action: no update is stitched
-    /// there.
-    fn go_on_from_closed(&mut self, now: Time, wanted: &WantedDrive, (end, acts): (u64, bool)) {
-        if acts {
-            return self.act_where_it_stands(now, wanted);
-        }
-        if self.progress.as_ref().is_some_and(|p| end > p.reached) {
+    /// The robot has driven what an earlier process ordered. If that process announced more, the robot waits for it: such
+    /// an order is cancelled first.
+    fn go_on_from_adopted(&mut self, now: Time, wanted: &WantedDrive, acts: bool) {
+        let OrderLife::Has(leg) = &self.order else { return };
+        if leg.announces {
+            self.begin_cancel(now, None);
+        } else if self.has_driven_all() && acts {
+            self.act_where_it_stands(now, wanted);
+        } else if self.has_driven_all() {
             self.order = OrderLife::Idle;
-            self.send_leg(now, wanted, end);
         }
     }
 
@@ -233,7 +263,7 @@ impl RobotSession {
     /// an earlier process may have said it.
     fn act_where_it_stands(&mut self, now: Time, wanted: &WantedDrive) {
         let OrderLife::Has(leg) = &self.order else { return };
-        let (base, announces, is_adopted) = (leg.base, leg.announces, leg.message.is_none());
+        let (base, announces, is_adopted) = (leg.base, leg.announces, leg.is_adopted());
         let here = wanted.waypoints.iter().find(|w| w.serial == base);
         let act = here.and_then(|w| self.leg_act(&leg.id, w));
         let was_said = |a: &LegAct| a.action.as_ref().is_some_and(|a| self.action_state(&a.id).is_some());
@@ -321,8 +351,7 @@ impl RobotSession {
             complaints: self.complaints(),
             message: Some(order.clone()),
         });
-        self.ordered = Some(now);
-        self.tell(TopicKind::Order, Message::Order(order));
+        self.send_order(now, order);
     }
 
     /// Releases more of the order that the robot has.
@@ -345,7 +374,11 @@ impl RobotSession {
             leg.sent = UpdateLife::Sent { times: 1, last: now };
             leg.message = Some(order.clone());
         }
-        self.ordered = Some(now);
+        self.send_order(now, order);
+    }
+
+    fn send_order(&mut self, now: Time, order: Order) {
+        (self.ordered, self.adopts) = (Some(now), None);
         self.tell(TopicKind::Order, Message::Order(order));
     }
 
@@ -384,6 +417,11 @@ impl RobotSession {
         if update == 0 {
             self.begin_between(&mut nodes[0]);
         }
+        debug_assert!(nodes[0].released, "an order begins where the robot may be");
+        debug_assert!(
+            nodes.is_sorted_by_key(|node| !node.released),
+            "what is announced comes after the base"
+        );
         let edges = nodes.windows(2).map(|pair| edge(&pair[0], &pair[1])).collect();
         Order { id: id.to_owned(), update, nodes, edges }
     }
@@ -451,11 +489,13 @@ impl RobotSession {
         self.give_up(now);
     }
 
-    /// An order that was not taken is over. If an earlier update of it was, that one is cancelled.
+    /// An order that was not taken is over. If an earlier update of it was, or the robot drives by another order of ours,
+    /// that one is cancelled.
     fn give_up(&mut self, now: Time) {
         self.rests_until = now + RESTS;
         let OrderLife::Has(leg) = &self.order else { return };
-        if leg.update > 0 {
+        let drives = |(_, state): &(Time, Box<State>)| !state.nodes.is_empty() && self.is_ours(&state.order);
+        if leg.update > 0 || self.state.as_ref().is_some_and(drives) {
             self.begin_cancel(now, None);
         } else {
             self.order = OrderLife::Idle;
@@ -505,7 +545,7 @@ fn is_name(node: &str, said: &str) -> bool {
 }
 
 /// The serial number in an order's id, if the id is one of ours: `gw-BOOT-NUMBER-SERIAL`.
-fn first_of(order: &str) -> Option<u64> {
+pub(super) fn first_of(order: &str) -> Option<u64> {
     let mut parts = order.strip_prefix("gw-")?.split('-');
     let _boot: u64 = parts.next()?.parse().ok()?;
     let _number: u64 = parts.next()?.parse().ok()?;

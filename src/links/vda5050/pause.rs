@@ -6,7 +6,7 @@ use super::contact::Obedience;
 use super::notice::Notice;
 use super::session::{AskedAction, RobotSession};
 use giveway_floor::time::{Span, Time};
-use giveway_vda5050::ActionStatus;
+use giveway_vda5050::{ActionState, ActionStatus};
 
 pub(super) const START_PAUSE: &str = "startPause";
 pub(super) const STOP_PAUSE: &str = "stopPause";
@@ -16,6 +16,8 @@ const AGAIN: Span = Span::from_millis(500);
 const BRAKES: Span = Span::from_secs(4);
 /// How often a pause is told.
 const TIMES: u32 = 10;
+/// A robot that was told so often to go on is told after this only.
+const PATIENCE: Span = Span::from_secs(5);
 
 /// Whether the robot is to stand, and how far it is with that.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,18 +60,23 @@ impl RobotSession {
         self.says_paused() && !ours
     }
 
-    /// Whether a pause of the robot is ours although we do not want it any more: it came just after we had told one, or
-    /// it is from an earlier process, and the robot still lists that process' action.
+    /// Whether a pause of the robot is ours although we do not want it any more: it was heard of just after we had told
+    /// one, or the last that the robot lists is that we told one, in this process or an earlier one. Some robots read
+    /// what they are told long after it was said.
     fn is_own_pause(&self) -> bool {
         const JUST: Span = Span::from_secs(3);
         let Some(since) = self.pause.since else { return false };
-        match self.pause.told {
-            Some(told) => since - told <= JUST,
-            None => self.state.as_ref().is_some_and(|(_, state)| {
-                let all = state.actions.iter().chain(&state.instant_actions);
-                all.into_iter().any(|a| a.kind.as_deref() == Some(START_PAUSE) && a.id.starts_with("gw-"))
-            }),
-        }
+        self.pause.told.is_some_and(|told| since - told <= JUST) || self.lists_pause_last()
+    }
+
+    /// Whether the last that the robot lists of pauses that it was told is that one began.
+    fn lists_pause_last(&self) -> bool {
+        let Some((_, state)) = &self.state else { return false };
+        let ours = |a: &&ActionState| a.id.starts_with("gw-") && a.status != ActionStatus::Failed;
+        let kinds = state.actions.iter().chain(&state.instant_actions).filter(ours);
+        let last =
+            kinds.filter_map(|a| a.kind.as_deref()).rfind(|kind| [START_PAUSE, STOP_PAUSE].contains(kind));
+        last == Some(START_PAUSE)
     }
 
     /// Notes in a state since when the robot is paused.
@@ -128,10 +135,12 @@ impl RobotSession {
     fn tell_again(&mut self, now: Time, mut asked: AskedAction, kind: &str) {
         // A robot that has the action and brakes need not be told again: some fail what they are told twice.
         let has_it = self.action_state(&asked.id).is_some() && now - asked.since < BRAKES;
-        if now - asked.last < AGAIN || has_it {
+        let is_many = asked.tries >= TIMES;
+        let again = if is_many && kind == STOP_PAUSE { PATIENCE } else { AGAIN };
+        if now - asked.last < again || has_it {
             return;
         }
-        if asked.tries >= TIMES {
+        if is_many && kind == START_PAUSE {
             let words = self.action_state(&asked.id).and_then(|a| a.result.clone());
             self.notice(Notice::NoPause { words });
             self.pause.stage = PauseState::Failed;

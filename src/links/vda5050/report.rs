@@ -20,8 +20,12 @@ impl RobotSession {
         }
     }
 
-    /// Reports to the fleet, if the robot has joined and its place is known.
+    /// Reports to the fleet, if the robot has joined and its place is known. Until it is known what the robot was ordered
+    /// before, it would seem to be where it was never released to.
     pub(super) fn report(&mut self, now: Time) {
+        if !self.knows_what_was_ordered() {
+            return;
+        }
         let (Some(progress), Some(pose), Some((_, state))) =
             (&self.progress, self.motion.pose(), &self.state)
         else {
@@ -69,6 +73,11 @@ impl RobotSession {
             state.errors.iter().any(|e| e.level == ErrorLevel::Fatal && e.refers_to("orderId").is_none());
         let is_stuck = fatal && !self.is_obeying();
         (broken || is_stuck).then_some(Fault::Broken)
+    }
+
+    /// Whether the robot has joined and takes orders, as the fleet was told last.
+    pub fn is_commanded(&self) -> bool {
+        self.progress.is_some() && self.link.reach.is_up() && self.link.refuses.is_none()
     }
 
     /// Whether messages get through to the robot.

@@ -10,7 +10,7 @@ use super::contact::Obedience;
 use super::motion::SeenMotion;
 use super::notice::Notice;
 use super::operator::SentAction;
-use super::order::{LegOrder, OrderLife, UpdateLife};
+use super::order::{LegOrder, OrderLife, UpdateLife, first_of};
 use super::overtaken::MessageOrder;
 use super::pause::PauseLife;
 use super::trust::Trust;
@@ -162,8 +162,10 @@ pub struct RobotSession {
     pub(super) order: OrderLife,
     pub(super) wanted: Option<WantedDrive>,
     pub(super) progress: Option<RobotProgress>,
-    /// The last visit that the robot was granted before this process, until its first state shows what it has.
+    /// The last visit that the robot was granted before this process, until this one has ordered something itself.
     pub(super) adopts: Option<u64>,
+    /// When this session first asked for a state.
+    pub(super) first_asked: Option<Time>,
     pub(super) charge: ChargeLife,
     /// The length of the map's shortest lane, metres.
     pub(super) shortest_m: f64,
@@ -216,6 +218,7 @@ impl RobotSession {
             wanted: None,
             progress: None,
             adopts: None,
+            first_asked: None,
             charge: ChargeLife::Off,
             shortest_m: shortest_m.max(0.05),
             trust: Trust::default(),
@@ -229,6 +232,14 @@ impl RobotSession {
         }
     }
 
+    /// Another session with the same robot, which speaks this version. What is sent in it has other ids, since a robot
+    /// takes what has an old one for a repetition.
+    #[must_use]
+    pub fn begin_again(&self, version: Version) -> RobotSession {
+        let new = RobotSession::new(version, self.settings.clone(), self.map.clone(), self.boot);
+        RobotSession { ids: self.ids, trust: self.trust, ..new }
+    }
+
     /// The robot has joined the fleet, or was in its ledger when the process began. An order of an earlier process that
     /// it still has is taken for its own.
     pub fn join(&mut self, now: Time, start: SessionStart) -> SessionOutput {
@@ -237,7 +248,7 @@ impl RobotSession {
         self.progress =
             Some(RobotProgress { robot, reached: at, known: at, acted, rack, recalls, failed: None });
         self.adopts = Some(granted);
-        self.adopt();
+        self.adopt(now);
         self.report(now);
         self.go_on(now)
     }
@@ -272,9 +283,8 @@ impl RobotSession {
             Command::Drive { waypoints, recalls, horizon, .. } => {
                 let obeyed = self.progress.as_ref().is_some_and(|p| *recalls >= p.recalls);
                 if obeyed {
-                    let drive = WantedDrive { waypoints: waypoints.clone(), horizon: horizon.clone() };
-                    self.take_up(&drive);
-                    self.wanted = Some(drive);
+                    self.wanted =
+                        Some(WantedDrive { waypoints: waypoints.clone(), horizon: horizon.clone() });
                 }
             }
             Command::Limit(limit) => self.pause.wanted = *limit == Some(0.0),
@@ -326,7 +336,7 @@ impl RobotSession {
         self.state = Some((now, state));
         self.unanswered = None;
         self.note_paused(now);
-        self.adopt();
+        self.adopt(now);
         self.note_order(now);
         self.note_act(now);
         self.note_sent();
@@ -368,7 +378,33 @@ impl RobotSession {
             self.trust.lose(now);
         }
         self.note_link(now);
+        self.assert_sound();
         std::mem::take(&mut self.out)
+    }
+
+    /// What holds after everything that happened.
+    fn assert_sound(&self) {
+        if let Some(progress) = &self.progress {
+            let RobotProgress { reached, known, acted, .. } = *progress;
+            debug_assert!(
+                reached <= known,
+                "the robot is beyond what it was released to: {reached}, {known}"
+            );
+            debug_assert!(
+                acted <= Some(reached),
+                "the robot acted where it has not been: {acted:?}, {reached}"
+            );
+        }
+        if let Some(leg) = self.leg() {
+            let LegOrder { id, first, base, known, .. } = leg;
+            debug_assert!(first <= known && known <= base, "{id} is known beyond its base: {known}, {base}");
+            debug_assert_eq!(leg.nodes.len() as u64, base - first + 1, "{id} has a node for each visit");
+            debug_assert!(leg.act.as_ref().is_none_or(|act| act.serial == *base), "{id} acts before its end");
+            debug_assert_eq!(first_of(id), Some(*first), "its id tells where {id} begins");
+            debug_assert!(self.progress.is_some(), "{id} is for a robot that has not joined");
+        }
+        let orders = self.out.told.iter().filter(|told| told.kind == TopicKind::Order).count();
+        debug_assert!(orders <= 1, "{orders} orders at once");
     }
 
     /// Sends an instant action, alone in its message: two of them kill some robots.

@@ -4,27 +4,6 @@ use super::*;
 use giveway_floor::geometry::{Point, Pose};
 use giveway_vda5050::OperatingMode;
 
-/// A route that crosses half of the floor, and a node in the middle of it that nobody has reached yet.
-fn node_ahead(floor: &LinkFloor, robot: RobotId) -> Option<NodeId> {
-    let chain = floor.fleet.ledger().chain(robot);
-    let granted = chain.granted();
-    chain.visits().zip(chain.first()..).find(|(_, serial)| *serial > granted + 2).map(|(visit, _)| visit.node)
-}
-
-#[test]
-fn a_robot_that_is_switched_on_where_another_was_promised_to_drive_stops_that_one_in_time() {
-    let mut floor = LinkFloor::new(thesis(), vec![standard(Version::V2_1)]);
-    floor.all_ready();
-    let driver = floor.pairs[0].number.expect("it has joined");
-    let jobs = floor.submit_deliveries(4);
-    floor.until(300, "a long route", move |f| node_ahead(f, driver).is_some());
-    let node = node_ahead(&floor, driver).expect("there is one");
-    floor.switch_on(standard(Version::V2_0), node);
-    floor.until(5, "the newcomer is on the floor", |f| f.pairs[1].number.is_some());
-    // The laws of the floor are checked in every step: the two never touch.
-    floor.until_done(&jobs, 1800);
-}
-
 #[test]
 fn a_robot_off_all_nodes_that_a_person_drives_is_in_others_way_before_it_may_be_commanded() {
     let mut floor = LinkFloor::new(thesis(), vec![standard(Version::V2_0), standard(Version::V2_1)]);
@@ -41,6 +20,17 @@ fn a_robot_off_all_nodes_that_a_person_drives_is_in_others_way_before_it_may_be_
     floor.until_done(&jobs, 1800);
     let told = &floor.pairs[2].told;
     assert!(told.iter().all(|(_, kind, _)| *kind != TopicKind::Order), "nobody commands it");
+}
+
+#[test]
+fn a_robot_joins_at_the_nearest_free_node_and_none_joins_from_beyond_the_floor() {
+    let floor = LinkFloor::new(lab(), Vec::new());
+    let (fleet, map) = (&floor.fleet, floor.map());
+    let kind = fleet.ledger().kinds()[0].name.clone();
+    let node = map.nodes_where(|kind| kind == NodeKind::Parking)[0];
+    assert_eq!(fleet.place_to_join(&kind, map.nodes[node].at), Some(node));
+    assert_eq!(fleet.place_to_join(&kind, Point::new(1e4, 1e4)), None);
+    assert_eq!(fleet.place_to_join("no such kind", map.nodes[node].at), None);
 }
 
 #[test]
