@@ -83,9 +83,7 @@ pub struct AuditParams {
 /// List requests that were to change something, newest first: every request except reads and reports of positions,
 /// including requests that were refused because of the caller's role.
 #[utoipa::path(get, path = "/v1/audit", tag = "server", operation_id = "listAudit", params(AuditParams), responses(
-    (status = 200, description = "Requests, newest first", body = Page<AuditDto>),
-    (status = 422),
-    (status = 503)))]
+    (status = 200, description = "Requests, newest first", body = Page<AuditDto>)))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<AuditParams>,

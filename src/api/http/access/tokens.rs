@@ -80,9 +80,7 @@ pub struct TokenMade {
 /// List all named tokens, including those that are no longer valid; the secrets are never listed.
 #[utoipa::path(get, path = "/v1/tokens", tag = "server", operation_id = "listTokens", params(Paging), responses(
     (status = 200, description = "Tokens in the order in which they were made", body = Page<TokenDto>),
-    (status = 409),
-    (status = 422),
-    (status = 503)))]
+    (status = 409)))]
 pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<TokenDto>>, Problem> {
     let all = port(&api)?.list().await.map_err(Problem::of_records)?;
     page(all.iter().map(|token| dto(&api, token)).collect(), &p)

@@ -85,10 +85,12 @@ fn complete(path: &str, method: &str, operation: &mut Value) {
     let writes = WRITES.contains(&method);
     let mut statuses = vec![403, 500];
     statuses.extend(needed.is_some().then_some(401));
-    statuses.extend((has_parameters || has_body).then_some(400));
+    statuses.extend(if has_parameters || has_body { &[400, 422][..] } else { &[] });
     statuses.extend(path.contains('{').then_some(404));
-    statuses.extend(if has_body { &[408, 413, 415, 422][..] } else { &[] });
-    statuses.extend(if writes { &[409, 503][..] } else { &[] });
+    statuses.extend(if has_body { &[408, 413, 415][..] } else { &[] });
+    statuses.extend(writes.then_some(409));
+    // Until the journal is loaded, while the database does not answer, and if too many ask.
+    statuses.extend(path.starts_with("/v1/").then_some(503));
     let responses = operation["responses"].as_object_mut().expect("every operation has responses");
     if let Some(words) = &needed {
         let words = format!("The role {words} is needed, or the request is from a foreign page or host name");

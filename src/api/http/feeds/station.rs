@@ -24,7 +24,6 @@ const AT_LEAST: Duration = Duration::from_secs(1);
 #[utoipa::path(get, path = "/v1/stations/{id}/live", tag = "floor", operation_id = "openStationFeed",
     params(("id" = String, Path, example = "W")), responses(
     (status = 101, description = "The feed begins"),
-    (status = 404, description = "There is no such station"),
     (status = 426, description = "Not a WebSocket"),
     (status = 429, description = "Too many readers")))]
 pub async fn live_station(

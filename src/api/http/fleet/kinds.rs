@@ -198,8 +198,7 @@ pub enum FootprintDto {
 
 /// List all robot kinds: those of the site or scenario with which the server was started, and those that were added.
 #[utoipa::path(get, path = "/v1/kinds", tag = "floor", operation_id = "listKinds", responses(
-    (status = 200, description = "All kinds", body = Vec<KindDto>),
-    (status = 503)))]
+    (status = 200, description = "All kinds", body = Vec<KindDto>)))]
 pub async fn kinds(Called(api): Called) -> Json<Vec<KindDto>> {
     let kinds = api.moment().view.all_kinds.clone();
     Json(kinds.iter().map(|kind| KindDto::new(kind, !kinds.is_of_site(&kind.name))).collect())

@@ -106,8 +106,7 @@ pub async fn messages(Called(api): Called, PathPart(id): PathPart) -> Result<Jso
     params(("id" = String, Path, example = "tug-1")), request_body = NewAction, responses(
     (status = 202, description = "It was sent; `Location` says where its fate is", body = SentActionDto),
     (status = 404, description = "No robot of this name is reached by such a link"),
-    (status = 409, description = "Nothing reaches the robot, or Giveway says this by itself"),
-    (status = 422)))]
+    (status = 409, description = "Nothing reaches the robot, or Giveway says this by itself")))]
 pub async fn act(
     Called(api): Called,
     PathPart(id): PathPart,

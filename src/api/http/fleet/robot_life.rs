@@ -133,9 +133,7 @@ pub struct RobotHistoryParams {
 /// Get one robot: its activity, its errors, its link, how far it drove and how many jobs it did.
 #[utoipa::path(get, path = "/v1/robots/{id}", tag = "floor", operation_id = "getRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 200, description = "The robot", body = RobotDetailDto),
-    (status = 404, description = "No robot has this name"),
-    (status = 503, description = "The database does not answer")))]
+    (status = 200, description = "The robot", body = RobotDetailDto)))]
 pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<RobotDetailDto>, Problem> {
     let robot = parse_robot(&api, &id)?;
     let jobs = api.records.robot_jobs(robot).await.map_err(Problem::of_records)?;
@@ -158,10 +156,7 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Rob
 /// List what happened to a robot, newest first: its jobs, alarms about it, failures, and what people ordered.
 #[utoipa::path(get, path = "/v1/robots/{id}/history", tag = "floor", operation_id = "listRobotHistory",
     params(("id" = String, Path, example = "robot-1"), RobotHistoryParams), responses(
-    (status = 200, description = "What happened, newest first", body = Page<RobotEventDto>),
-    (status = 404, description = "No robot has this name"),
-    (status = 422, description = "A parameter is wrong"),
-    (status = 503, description = "The database does not answer")))]
+    (status = 200, description = "What happened, newest first", body = Page<RobotEventDto>)))]
 pub async fn history(
     Called(api): Called,
     PathPart(id): PathPart,

@@ -17,8 +17,7 @@ use giveway_floor::text::sentence::requests;
 /// cause.
 #[utoipa::path(get, path = "/v1/robots/{id}/why", tag = "floor", operation_id = "explainRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 200, description = "The chain; for a robot that does not wait, what it is doing", body = WhyDto),
-    (status = 503, description = "Too many questions; see Retry-After")))]
+    (status = 200, description = "The chain; for a robot that does not wait, what it is doing", body = WhyDto)))]
 pub async fn robot(Called(api): Called, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
     let robot = parse_robot(&api, &id)?;
     let waits = api.query(|reply| Question::Robot(robot, reply)).await?;
@@ -30,8 +29,7 @@ pub async fn robot(Called(api): Called, PathPart(id): PathPart) -> Result<Json<W
     operation_id = "explainJob", params(("id" = String, Path, example = "j17")),
     responses(
     (status = 200, description = "The chain; empty for a job that is over, or that a robot is about to take",
-     body = WhyDto),
-    (status = 503, description = "Too many questions; see Retry-After")))]
+     body = WhyDto)))]
 pub async fn job(Called(api): Called, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
     let job = parse_job_name(&id).ok_or_else(|| Problem::unknown("job", requests::not_a_job_id(&id)))?;
     let known = api.records.job(job).await.map_err(Problem::of_records)?;

@@ -135,8 +135,7 @@ pub struct ClosureParams {
 /// List closed areas: those that are closed or announced, and those whose closure ended less than a day ago.
 #[utoipa::path(get, path = "/v1/closures", tag = "people", operation_id = "listClosures",
     params(ClosureParams), responses(
-    (status = 200, description = "Areas in the order in which they were requested", body = Page<ClosureDto>),
-    (status = 422)))]
+    (status = 200, description = "Areas in the order in which they were requested", body = Page<ClosureDto>)))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<ClosureParams>,
@@ -195,8 +194,7 @@ pub async fn close(
 #[utoipa::path(post, path = "/v1/closures/preview", tag = "people",
     operation_id = "previewClosure", request_body = NewClosure,
     responses(
-    (status = 200, description = "What it would do", body = ClosingEffectDto),
-    (status = 503, description = "Too many questions; see Retry-After")))]
+    (status = 200, description = "What it would do", body = ClosingEffectDto)))]
 pub async fn preview(
     Called(api): Called,
     JsonBody(new): JsonBody<NewClosure>,

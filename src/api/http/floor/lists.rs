@@ -18,8 +18,7 @@ use utoipa::{IntoParams, ToSchema};
 
 /// List all racks.
 #[utoipa::path(get, path = "/v1/racks", tag = "floor", operation_id = "listRacks", params(Paging), responses(
-    (status = 200, description = "Racks in the map's order", body = Page<RackDto>),
-    (status = 422)))]
+    (status = 200, description = "Racks in the map's order", body = Page<RackDto>)))]
 pub async fn racks(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<RackDto>>, Problem> {
     let moment = api.moment();
     page(Names { map: &api.map, view: &moment.view }.racks(), &p)
@@ -46,8 +45,7 @@ pub struct StationParams {
 /// List stations.
 #[utoipa::path(get, path = "/v1/stations", tag = "floor", operation_id = "listStations",
     params(StationParams), responses(
-    (status = 200, description = "Stations in the map's order", body = Page<StationDto>),
-    (status = 422)))]
+    (status = 200, description = "Stations in the map's order", body = Page<StationDto>)))]
 pub async fn stations(
     Called(api): Called,
     Params(p): Params<StationParams>,
@@ -108,8 +106,7 @@ pub struct RobotsDto {
 
 /// List the robots on the floor.
 #[utoipa::path(get, path = "/v1/robots", tag = "floor", operation_id = "listRobots", params(RobotParams), responses(
-    (status = 200, description = "Robots in order of joining", body = RobotsDto),
-    (status = 422)))]
+    (status = 200, description = "Robots in order of joining", body = RobotsDto)))]
 pub async fn robots(Called(api): Called, Params(p): Params<RobotParams>) -> Result<Json<RobotsDto>, Problem> {
     let mut errors = Vec::new();
     let activities = Activity::ALL.map(Activity::word);

@@ -46,8 +46,7 @@ pub struct NewRecurrence {
 /// List recurring closures, each with its occurrences that are in force or announced.
 #[utoipa::path(get, path = "/v1/closures/recurring", tag = "people",
     operation_id = "listRecurringClosures", params(Paging), responses(
-    (status = 200, description = "In the order in which they were requested", body = Page<RecurringClosureDto>),
-    (status = 422)))]
+    (status = 200, description = "In the order in which they were requested", body = Page<RecurringClosureDto>)))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<Paging>,

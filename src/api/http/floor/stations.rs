@@ -26,8 +26,7 @@ use utoipa::ToSchema;
 /// Get one station with the rack that stands there and the lines to pick from it.
 #[utoipa::path(get, path = "/v1/stations/{id}", tag = "floor", operation_id = "getStation",
     params(("id" = String, Path, example = "W")), responses(
-    (status = 200, description = "The station", body = StationDetailDto),
-    (status = 404, description = "There is no such station")))]
+    (status = 200, description = "The station", body = StationDetailDto)))]
 pub async fn one(Called(api): Called, PathPart(id): PathPart) -> Result<Json<StationDetailDto>, Problem> {
     let station = parse_station(&api, &id)?;
     let moment = api.moment();
@@ -71,13 +70,10 @@ impl LineChangeDto {
     params(("id" = String, Path, example = "W"), ("n" = usize, Path, minimum = 1, example = 1)),
     request_body = LineChangeDto, responses(
     (status = 200, description = "It is noted, and that is durable", body = LineChangedDto),
-    (status = 400, description = "The request cannot be read"),
     (status = 404, description = "There is no such station or line"),
     (status = 409, description = "No rack stands there, or its job has no lines"),
     (status = 413, description = "The request is too long"),
-    (status = 415, description = "The request is no JSON"),
-    (status = 422, description = "That cannot be said about a line, or not about this one"),
-    (status = 503, description = "It cannot be made durable now")))]
+    (status = 422, description = "That cannot be said about a line, or not about this one")))]
 pub async fn line(
     Called(api): Called,
     PathPair(id, n): PathPair,
@@ -94,13 +90,9 @@ pub async fn line(
 #[utoipa::path(post, path = "/v1/stations/{id}/last", tag = "floor", operation_id = "changeLastLine",
     params(("id" = String, Path, example = "W")), request_body = LineChangeDto, responses(
     (status = 200, description = "It is noted, and that is durable", body = LineChangedDto),
-    (status = 400, description = "The request cannot be read"),
-    (status = 404, description = "There is no such station"),
     (status = 409, description = "Every line was confirmed before its rack left"),
     (status = 413, description = "The request is too long"),
-    (status = 415, description = "The request is no JSON"),
-    (status = 422, description = "That cannot be said about this line"),
-    (status = 503, description = "It cannot be made durable now")))]
+    (status = 422, description = "That cannot be said about this line")))]
 pub async fn last(
     Called(api): Called,
     PathPart(id): PathPart,
@@ -130,9 +122,7 @@ async fn change_line(
 #[utoipa::path(post, path = "/v1/stations/{id}/release", tag = "floor", operation_id = "releaseRack",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The visit has ended, and that is durable"),
-    (status = 404, description = "There is no such station"),
-    (status = 409, description = "No rack stands there"),
-    (status = 503, description = "It cannot be made durable now")))]
+    (status = 409, description = "No rack stands there")))]
 pub async fn release(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     say(&api, &id, StationOrder::Release).await
 }
@@ -142,9 +132,7 @@ pub async fn release(Called(api): Called, PathPart(id): PathPart) -> Result<Stat
 #[utoipa::path(post, path = "/v1/stations/{id}/done", tag = "floor", operation_id = "finishPick",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The pick has ended, and that is durable"),
-    (status = 404, description = "There is no such station"),
-    (status = 409, description = "No rack stands there"),
-    (status = 503, description = "It cannot be made durable now")))]
+    (status = 409, description = "No rack stands there")))]
 pub async fn done(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     say(&api, &id, StationOrder::Done).await
 }
@@ -154,9 +142,7 @@ pub async fn done(Called(api): Called, PathPart(id): PathPart) -> Result<StatusC
 #[utoipa::path(post, path = "/v1/stations/{id}/short", tag = "floor", operation_id = "reportShortPick",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The pick has ended, and that is durable"),
-    (status = 404, description = "There is no such station"),
-    (status = 409, description = "No rack stands there"),
-    (status = 503, description = "It cannot be made durable now")))]
+    (status = 409, description = "No rack stands there")))]
 pub async fn short(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     say(&api, &id, StationOrder::Short).await
 }
@@ -164,9 +150,7 @@ pub async fn short(Called(api): Called, PathPart(id): PathPart) -> Result<Status
 /// Pause picking at a station: no more racks are fetched for it, and racks in its queue wait.
 #[utoipa::path(post, path = "/v1/stations/{id}/pause", tag = "floor", operation_id = "pauseStation",
     params(("id" = String, Path, example = "W")), responses(
-    (status = 204, description = "Picking is paused, and that is durable"),
-    (status = 404, description = "There is no such station"),
-    (status = 503, description = "It cannot be made durable now")))]
+    (status = 204, description = "Picking is paused, and that is durable")))]
 pub async fn pause(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     say(&api, &id, StationOrder::Pause).await
 }
@@ -174,9 +158,7 @@ pub async fn pause(Called(api): Called, PathPart(id): PathPart) -> Result<Status
 /// Resume picking at a station.
 #[utoipa::path(post, path = "/v1/stations/{id}/resume", tag = "floor", operation_id = "resumeStation",
     params(("id" = String, Path, example = "W")), responses(
-    (status = 204, description = "Picking goes on, and that is durable"),
-    (status = 404, description = "There is no such station"),
-    (status = 503, description = "It cannot be made durable now")))]
+    (status = 204, description = "Picking goes on, and that is durable")))]
 pub async fn resume(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     say(&api, &id, StationOrder::Resume).await
 }

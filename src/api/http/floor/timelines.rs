@@ -131,9 +131,7 @@ pub struct ConditionDto {
 /// Get which robots and workers hold the nodes of an area and when, and what people and closed areas impose there, for
 /// up to two minutes ahead.
 #[utoipa::path(get, path = "/v1/timelines", tag = "floor", operation_id = "getTimelines", params(AreaParams), responses(
-    (status = 200, description = "Up to 200 nodes, from the top left on", body = TimelinesDto),
-    (status = 422),
-    (status = 503, description = "Too many questions; see Retry-After")))]
+    (status = 200, description = "Up to 200 nodes, from the top left on", body = TimelinesDto)))]
 pub async fn timelines(
     Called(api): Called,
     Params(p): Params<AreaParams>,

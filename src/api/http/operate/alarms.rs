@@ -47,9 +47,7 @@ pub struct AlarmParams {
 /// and has their alarms as its `members`.
 #[utoipa::path(get, path = "/v1/alarms", tag = "server", operation_id = "listAlarms", params(AlarmParams), responses(
     (status = 200, description = "Alarms: the active ones, the worst first; or the history, newest first",
-     body = Page<AlarmDto>),
-    (status = 422, description = "A parameter is wrong"),
-    (status = 503, description = "The database does not answer")))]
+     body = Page<AlarmDto>)))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<AlarmParams>,
@@ -119,11 +117,9 @@ pub struct AcknowledgeBody {
 #[utoipa::path(post, path = "/v1/alarms/{id}/acknowledge", tag = "server", operation_id = "acknowledgeAlarm",
     params(("id" = String, Path, example = "al17")), request_body = AcknowledgeBody, responses(
     (status = 200, description = "The alarm, with who acknowledged it", body = AlarmDto),
-    (status = 400, description = "The body is not JSON"),
     (status = 404, description = "No alarm of this id is active"),
     (status = 409, description = "A recording is shown"),
     (status = 413, description = "The body is too large"),
-    (status = 415, description = "The body is not sent as JSON"),
     (status = 422, description = "There is no name")))]
 pub async fn acknowledge(
     Called(api): Called,

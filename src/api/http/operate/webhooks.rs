@@ -95,8 +95,7 @@ pub struct FailureParams {
 
 /// List all webhooks.
 #[utoipa::path(get, path = "/v1/webhooks", tag = "events", operation_id = "listWebhooks", responses(
-    (status = 200, description = "In order of being added", body = Vec<WebhookDto>),
-    (status = 503, description = "The database does not answer")))]
+    (status = 200, description = "In order of being added", body = Vec<WebhookDto>)))]
 pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Problem> {
     let hooks = ask(&api, HookRequest::List).await?;
     Ok(Json(hooks.into_iter().map(dto).collect()))
@@ -115,10 +114,7 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Probl
         description = "Your own key, up to 255 characters: a repeat gets the same answer and makes nothing")),
     responses(
     (status = 201, description = "From now on it is told; the secret is not shown again", body = WebhookDto),
-    (status = 400, description = "The body is not JSON"),
-    (status = 422, description = "A field is wrong"),
-    (status = 429, description = "There are too many"),
-    (status = 503, description = "The database does not answer")))]
+    (status = 429, description = "There are too many")))]
 pub async fn add(
     State(api): State<Api>,
     JsonBody(new): JsonBody<NewWebhook>,
@@ -137,9 +133,7 @@ pub async fn add(
 #[utoipa::path(delete, path = "/v1/webhooks/{id}", tag = "events", operation_id = "removeWebhook",
     params(("id" = String, Path, example = "h1")), responses(
     (status = 204, description = "It is told nothing any more"),
-    (status = 404, description = "There is no such webhook"),
-    (status = 409, description = "A recording is shown"),
-    (status = 503, description = "The database does not answer")))]
+    (status = 409, description = "A recording is shown")))]
 pub async fn remove(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let number = parse(&id)?;
     match ask(&api, |reply| HookRequest::Remove(number, reply)).await? {
@@ -151,10 +145,7 @@ pub async fn remove(State(api): State<Api>, PathPart(id): PathPart) -> Result<St
 /// List the messages to a system that were given up, newest first; the last thousand are kept.
 #[utoipa::path(get, path = "/v1/webhooks/{id}/failures", tag = "events", operation_id = "listWebhookFailures",
     params(("id" = String, Path, example = "h1"), FailureParams), responses(
-    (status = 200, description = "What was given up", body = Page<FailedMessageDto>),
-    (status = 404, description = "There is no such webhook"),
-    (status = 422, description = "A parameter is wrong"),
-    (status = 503, description = "The database does not answer")))]
+    (status = 200, description = "What was given up", body = Page<FailedMessageDto>)))]
 pub async fn failures(
     State(api): State<Api>,
     PathPart(id): PathPart,

@@ -79,9 +79,7 @@ pub struct AssignmentParams {
 #[utoipa::path(get, path = "/v1/workers/{id}/assignments", tag = "people", operation_id = "listAssignmentsOfWorker",
     params(("id" = String, Path, example = "w1"), AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
-    (status = 403, description = "Only administrators may ask for a person's assignments that are over"),
-    (status = 422),
-    (status = 503)))]
+    (status = 403, description = "Only administrators may ask for a person's assignments that are over")))]
 pub async fn of_worker(
     Called(api): Called,
     PathPart(id): PathPart,
@@ -106,9 +104,7 @@ pub async fn of_worker(
 /// it would reveal how fast a person works.
 #[utoipa::path(get, path = "/v1/assignments", tag = "people",
     operation_id = "listAssignments", params(AssignmentParams), responses(
-    (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
-    (status = 422),
-    (status = 503)))]
+    (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>)))]
 pub async fn all(
     Called(api): Called,
     Params(p): Params<AssignmentParams>,
@@ -119,8 +115,7 @@ pub async fn all(
 /// Get one assignment.
 #[utoipa::path(get, path = "/v1/assignments/{id}", tag = "people", operation_id = "getAssignment",
     params(("id" = String, Path, example = "a3")), responses(
-    (status = 200, description = "The assignment", body = AssignmentDto),
-    (status = 503)))]
+    (status = 200, description = "The assignment", body = AssignmentDto)))]
 pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     let record = read(&api, parse_id(&id)?).await?;
     Ok(Json(dto(&api, &record)))

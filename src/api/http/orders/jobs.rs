@@ -65,9 +65,7 @@ pub struct JobParams {
 
 /// List jobs, newest first.
 #[utoipa::path(get, path = "/v1/jobs", tag = "jobs", operation_id = "listJobs", params(JobParams), responses(
-    (status = 200, description = "Jobs, newest first", body = Page<JobDto>),
-    (status = 422),
-    (status = 503)))]
+    (status = 200, description = "Jobs, newest first", body = Page<JobDto>)))]
 pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<Json<Page<JobDto>>, Problem> {
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
@@ -120,8 +118,7 @@ fn read_filter(api: &Api, p: &JobParams, errors: &mut Vec<FieldError>) -> JobQue
 #[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs",
     operation_id = "getJob", params(("id" = String, Path, example = "j17")),
     responses(
-    (status = 200, description = "The job", body = JobDto),
-    (status = 503)))]
+    (status = 200, description = "The job", body = JobDto)))]
 pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
     let row = read(&api, parse_id(&id)?).await?;
     Ok(Json(dto(&api, &row)))

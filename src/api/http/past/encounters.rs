@@ -57,9 +57,7 @@ pub struct EncounterParams {
 #[utoipa::path(get, path = "/v1/encounters", tag = "people",
     operation_id = "listEncounters", params(EncounterParams), responses(
     (status = 200, description = "Encounters, newest first", content(
-        (Page<EncounterDto> = "application/json"), (String = "text/csv"))),
-    (status = 422),
-    (status = 503)))]
+        (Page<EncounterDto> = "application/json"), (String = "text/csv")))))]
 pub async fn list(
     Called(api): Called,
     headers: HeaderMap,

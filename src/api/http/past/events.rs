@@ -81,9 +81,7 @@ pub struct EventParams {
     (status = 200, description = "Events in order", content(
         (EventPage = "application/json"), (String = "text/event-stream"))),
     (status = 410),
-    (status = 422, description = "A parameter is wrong"),
-    (status = 429, description = "There are too many streams"),
-    (status = 503, description = "The database does not answer")))]
+    (status = 429, description = "There are too many streams")))]
 pub async fn list(
     Called(api): Called,
     headers: HeaderMap,

@@ -83,9 +83,7 @@ pub struct CellDto {
 
 /// Get where robots waited (by node), or where robots and workers met (by square metre, where the worker was).
 #[utoipa::path(get, path = "/v1/heat", tag = "floor", operation_id = "getHeat", params(HeatParams), responses(
-    (status = 200, description = "Amounts by place", body = HeatDto),
-    (status = 422),
-    (status = 503)))]
+    (status = 200, description = "Amounts by place", body = HeatDto)))]
 pub async fn heat(Called(api): Called, Params(p): Params<HeatParams>) -> Result<Json<HeatDto>, Problem> {
     let (from, to) = stretch(&api, p.from.as_deref(), p.to.as_deref())?;
     let (from, unit, size, mut cells) = match p.kind {

@@ -104,8 +104,7 @@ pub struct BucketDto {
 /// Get deliveries, encounters, interruptions, planning and waiting over time. The last hour is kept in steps of ten
 /// seconds, the last day in steps of a minute, and the last 31 days in steps of ten minutes, even across a restart.
 #[utoipa::path(get, path = "/v1/history", tag = "floor", operation_id = "getHistory", params(HistoryParams), responses(
-    (status = 200, description = "Figures over time", body = HistoryDto),
-    (status = 422)))]
+    (status = 200, description = "Figures over time", body = HistoryDto)))]
 pub async fn history(
     Called(api): Called,
     Params(p): Params<HistoryParams>,

@@ -81,8 +81,7 @@ struct SpanDto {
 /// Get the recordings that are kept: spans, and the bookmarks from `from` to `to`.
 #[utoipa::path(get, path = "/v1/past", tag = "past", operation_id = "getPast", params(SpanParams), responses(
     (status = 200, description = "Spans and bookmarks", body = PastDto),
-    (status = 404, description = "This server keeps no past"),
-    (status = 422)))]
+    (status = 404, description = "This server keeps no past")))]
 pub async fn past(Called(api): Called, Params(p): Params<SpanParams>) -> Result<Json<PastDto>, Problem> {
     let folder = folder(&api)?;
     let (from, to) = span(folder, &p.from, &p.to)?;
@@ -130,8 +129,7 @@ pub struct FiguresDto {
 #[utoipa::path(get, path = "/v1/past/figures", tag = "past",
     operation_id = "getPastFigures", params(FigureParams), responses(
     (status = 200, description = "Running sums", body = FiguresDto),
-    (status = 404, description = "This server keeps no past"),
-    (status = 422)))]
+    (status = 404, description = "This server keeps no past")))]
 pub async fn figures(
     Called(api): Called,
     Params(p): Params<FigureParams>,
@@ -156,8 +154,7 @@ pub async fn figures(
 /// frame before `from`.
 #[utoipa::path(get, path = "/v1/past/reel", tag = "past", operation_id = "getPastReel", params(SpanParams), responses(
     (status = 200, description = "The reel", body = Vec<u8>, content_type = "application/gzip"),
-    (status = 404, description = "Nothing is kept of that time"),
-    (status = 422)))]
+    (status = 404, description = "Nothing is kept of that time")))]
 pub async fn recording(Called(api): Called, Params(p): Params<SpanParams>) -> Result<Response, Problem> {
     let folder = folder(&api)?;
     let (from, to) = span(folder, &p.from, &p.to)?;

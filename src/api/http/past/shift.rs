@@ -45,9 +45,7 @@ pub struct ReportParams {
 /// last day, ten minutes before that.
 #[utoipa::path(get, path = "/v1/report", tag = "floor", operation_id = "getReport", params(ReportParams), responses(
     (status = 200, description = "The report", content(
-        (ShiftReportDto = "application/json"), (String = "text/csv"))),
-    (status = 422),
-    (status = 503)))]
+        (ShiftReportDto = "application/json"), (String = "text/csv")))))]
 pub async fn report(
     Called(api): Called,
     headers: HeaderMap,

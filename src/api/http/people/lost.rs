@@ -46,7 +46,6 @@ pub struct NarrowBody {
 #[utoipa::path(post, path = "/v1/workers/{id}/clear", tag = "people", operation_id = "clearWorker",
     params(("id" = String, Path, example = "w1")), request_body = VouchBody, responses(
     (status = 204, description = "Cleared, and that is durable"),
-    (status = 404, description = "No worker has this id"),
     (status = 422, description = "There is no name")))]
 pub async fn clear(
     Called(api): Called,
@@ -62,7 +61,6 @@ pub async fn clear(
 #[utoipa::path(post, path = "/v1/workers/{id}/narrow", tag = "people", operation_id = "narrowWorker",
     params(("id" = String, Path, example = "w1")), request_body = NarrowBody, responses(
     (status = 204, description = "Narrowed, and that is durable"),
-    (status = 404, description = "No worker has this id"),
     (status = 409, description = "The worker is not lost, or a recording is shown"),
     (status = 422, description = "There is no name, or nobody can stand there")))]
 pub async fn narrow(

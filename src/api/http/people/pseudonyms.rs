@@ -35,8 +35,7 @@ pub struct PersonDto {
 
 /// List all people whose names are kept.
 #[utoipa::path(get, path = "/v1/people", tag = "people", operation_id = "listPeople", params(Paging), responses(
-    (status = 200, description = "People in order of joining", body = Page<PersonDto>),
-    (status = 422)))]
+    (status = 200, description = "People in order of joining", body = Page<PersonDto>)))]
 pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<PersonDto>>, Problem> {
     let pseudonyms = api.feeds.names();
     let people = pseudonyms.iter().enumerate().filter_map(|(i, pseudonym)| {
@@ -53,7 +52,6 @@ pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json
 #[utoipa::path(delete, path = "/v1/people/{id}", tag = "people", operation_id = "erasePerson",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 204, description = "Erased, and that is durable"),
-    (status = 404, description = "There is no such worker"),
     (status = 409, description = "The person is on the floor, or has something to do")))]
 pub async fn erase(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     api.queue()?;

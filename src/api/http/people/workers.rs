@@ -140,8 +140,7 @@ pub struct WorkerParams {
 
 /// List workers; a device gets only its own.
 #[utoipa::path(get, path = "/v1/workers", tag = "people", operation_id = "listWorkers", params(WorkerParams), responses(
-    (status = 200, description = "Workers in order of joining", body = Page<ListedWorkerDto>),
-    (status = 422)))]
+    (status = 200, description = "Workers in order of joining", body = Page<ListedWorkerDto>)))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<WorkerParams>,
@@ -265,8 +264,7 @@ pub async fn hire(
 /// vehicle, and robots give way to all of it.
 #[utoipa::path(patch, path = "/v1/workers/{id}", tag = "people", operation_id = "changeWorker",
     params(("id" = String, Path, example = "w1")), request_body = ChangedWorker, responses(
-    (status = 200, description = "Changed, and that is durable", body = WorkerDto),
-    (status = 404, description = "No worker has this id")))]
+    (status = 200, description = "Changed, and that is durable", body = WorkerDto)))]
 pub async fn change(
     Called(api): Called,
     PathPart(id): PathPart,
