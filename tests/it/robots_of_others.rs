@@ -84,6 +84,17 @@ impl Broker {
         Some(broker)
     }
 
+    /// Has the broker keep a text under a topic.
+    fn keep(&self, topic: &str, text: &Value) {
+        let options = rumqttc::MqttOptions::new("test-keeps", "127.0.0.1", self.port);
+        let (client, mut line) = rumqttc::Client::new(options, 10);
+        client.publish(topic, rumqttc::QoS::AtLeastOnce, true, text.to_string()).unwrap();
+        let is_kept = |event: Result<rumqttc::Event, _>| {
+            matches!(event.unwrap(), rumqttc::Event::Incoming(rumqttc::Packet::PubAck(_)))
+        };
+        assert!(line.iter().any(is_kept), "the broker keeps it");
+    }
+
     /// What the broker keeps under a topic, for a user.
     fn retained(&self, user: &str, topic: &str) -> Value {
         let mut options = rumqttc::MqttOptions::new(format!("test-{user}"), "127.0.0.1", self.port);
@@ -274,13 +285,23 @@ async fn a_server_that_is_killed_knows_robots_again_that_people_listed_and_whose
     }
     until_done(at, 1).await;
     drop(server);
+    // What the robot said before it learned its version is still on the broker.
+    let before = json!({"headerId": 1, "timestamp": "2026-01-01T00:00:00.000Z", "version": "2.0.0",
+        "manufacturer": "giveway", "serialNumber": "v300", "connectionState": "OFFLINE"});
+    tokio::task::block_in_place(|| broker.keep("uagv/v2/giveway/v300/connection", &before));
     let (_server, at) = serve(&folder, &broker.url, &file);
     until_done(at, 4).await;
     eventually("both are ready again", async || ready(at).await).await;
     let said = get(at, "/v1/robots/v300/messages").await.json();
     let said = said["messages"].as_array().expect("messages").clone();
     assert!(said.iter().any(|m| m["to_robot"] == true) && said.iter().any(|m| m["to_robot"] == false));
+    // A robot that drives is retired. One that is not on the floor is listed no more.
     assert_eq!(ask(at, "DELETE", "/v1/robots/v300", &Value::Null).await.status, 204);
+    assert_eq!(get(at, "/v1/robots/v300/link").await.json()["joined"], true);
+    assert_eq!(ask(at, "POST", "/v1/robots", &list("nobody")).await.status, 201);
+    assert_eq!(get(at, "/v1/robots/nobody/link").await.json()["joined"], false);
+    assert_eq!(ask(at, "DELETE", "/v1/robots/nobody", &Value::Null).await.status, 204);
+    get(at, "/v1/robots/nobody/link").await.problem(404);
 }
 
 #[test]

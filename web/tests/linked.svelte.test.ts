@@ -4,7 +4,7 @@ import { flushSync, mount, unmount, type Component } from 'svelte';
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import type { Drawing } from '../src/floor';
 import { Notices } from '../src/parts/notices.svelte';
-import { actionOf, laidOut, nameFor, needsPeople, newestFirst } from '../src/robots/linked';
+import { actionOf, laidOut, nameFor, newestFirst } from '../src/robots/linked';
 import Life from '../src/robots/Life.svelte';
 import LinkedCard from '../src/robots/LinkedCard.svelte';
 import NotOnFloor from '../src/robots/NotOnFloor.svelte';
@@ -47,6 +47,7 @@ const linked = (id: string, more: Partial<LinkedRobot> = {}): LinkedRobot => ({
   not_ready: null,
   needs_consent: false,
   failed: null,
+  needs_care: false,
   order: 'no order',
   said: state,
   noticed: [],
@@ -179,17 +180,11 @@ describe('the card of a robot of another vendor', () => {
     expect(notices.notice?.undo).toBeNull();
   });
   test('says that a robot was looked after where an action failed, and tells what the server refuses', async () => {
-    const { button, text, sent } = card(linked('tug-1', { failed: 'pick: no load found' }));
+    const { button, text, sent } = card(linked('tug-1', { failed: 'pick: no load found', needs_care: true }));
     await expect.poll(text).toContain('It waits for a person: pick: no load found');
     button('It was looked after')!.click();
     await expect.poll(() => sent('POST /v1/robots/tug-1/settled')).toHaveLength(1);
     await expect.poll(text).toContain('There is no such link');
-  });
-  test('asks for people where an action failed, or orders are refused, and at no other time', () => {
-    expect(needsPeople({ failed: 'drop', not_ready: null })).toBe(true);
-    expect(needsPeople({ failed: null, not_ready: 'it refuses orders: too steep' })).toBe(true);
-    expect(needsPeople({ failed: null, not_ready: 'it sleeps' })).toBe(false);
-    expect(needsPeople({ failed: null, not_ready: null })).toBe(false);
   });
   test('sends an action with its parameters, and shows its fate until it is over', async () => {
     const fate = 'GET /v1/robots/tug-1/actions/gw-1';
@@ -248,12 +243,12 @@ describe('the card of a robot of another vendor', () => {
   });
   test('offers what somebody may do, and messages to administrators alone', async () => {
     await signedInAs('viewer', []);
-    const viewer = card(linked('tug-1', { failed: 'pick', needs_consent: true }));
+    const viewer = card(linked('tug-1', { failed: 'pick', needs_care: true, needs_consent: true }));
     await expect.poll(viewer.text).toContain('Released at most');
     const names = [...viewer.target.querySelectorAll('[data-linked] > div button, [data-linked] > button')];
     expect(names.map((one) => one.textContent)).toEqual([]);
     await signedInAs('operator', ['send_robot_action', 'settle_robot']);
-    const operator = card(linked('tug-1', { failed: 'pick', needs_consent: true }));
+    const operator = card(linked('tug-1', { failed: 'pick', needs_care: true, needs_consent: true }));
     await expect.poll(() => operator.button('It was looked after')).toBeDefined();
     expect(operator.button('Send an action')).toBeDefined();
     expect(operator.button('Agree that it drives without pausing')).toBeUndefined();

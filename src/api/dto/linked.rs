@@ -34,8 +34,10 @@ pub struct LinkedRobotDto {
     pub not_ready: Option<String>,
     /// Whether the robot waits for PUT /v1/robots/{id}/consent: it does not pause when told to.
     pub needs_consent: bool,
-    /// The action that failed, in words; the robot waits for POST /v1/robots/{id}/settled. Null if none did.
+    /// The action that failed, in words. Null if none did.
     pub failed: Option<String>,
+    /// Whether the robot waits for POST /v1/robots/{id}/settled: an action failed, or it refuses orders.
+    pub needs_care: bool,
     /// The order that the robot has, in words.
     #[schema(example = "no order")]
     pub order: String,
@@ -166,6 +168,7 @@ impl From<LinkedRobot> for LinkedRobotDto {
             not_ready: of.not_ready,
             needs_consent: of.needs_consent,
             failed: of.failed,
+            needs_care: of.needs_care,
             order: of.order,
             said: of.said.map(SaidStateDto::from),
             noticed: of.noticed.into_iter().map(NoticedDto::from).collect(),

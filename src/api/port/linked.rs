@@ -29,7 +29,7 @@ pub enum LinkQuestion {
     Settle(String, oneshot::Sender<Result<(), NotDone>>),
     /// Lists a robot, or the same robot again. The answer says whether it is new.
     List(NewLinked, oneshot::Sender<Result<bool, NotDone>>),
-    /// Lists a robot no more. The answer says whether it was listed.
+    /// Lists a robot no more that is not on the floor. The answer says whether it was listed so.
     Unlist(String, oneshot::Sender<bool>),
 }
 
@@ -92,6 +92,8 @@ pub struct LinkedRobot {
     pub needs_consent: bool,
     /// An action that failed, in words: people have to look after the robot.
     pub failed: Option<String>,
+    /// Whether it waits for people: an action failed, or it refuses orders.
+    pub needs_care: bool,
     /// The order that it has of us, in words.
     pub order: String,
     /// When its last state arrived, and what it says there.

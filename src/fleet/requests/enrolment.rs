@@ -120,14 +120,15 @@ impl Floor<'_> {
     }
 
     /// The nearest node on which a robot of a kind could join that was found at a place: it is in others' way there
-    /// before anything is held for it, and its first report says where it really is. None that is farther away than
-    /// [`JOINS_WITHIN_M`] is on this floor.
+    /// before anything is held for it, and its first report says where it really is. A place that is farther than
+    /// [`JOINS_WITHIN_M`] from all nodes is not on this floor.
     pub(crate) fn place_to_join(&self, kind: &str, at: Point) -> Option<NodeId> {
         self.ledger.kinds().named(kind)?;
         let next = RobotId::at(self.ledger.robots.len());
         let far = |node: &NodeId| (self.warehouse().nodes[*node].at - at).norm();
-        let mut near = self.warehouse().nodes_within(at, JOINS_WITHIN_M);
-        near.sort_by(|a, b| far(a).total_cmp(&far(b)));
-        near.into_iter().find(|node| self.keeps_out(next, kind, *node).is_none())
+        let is_on_floor = !self.warehouse().nodes_within(at, JOINS_WITHIN_M).is_empty();
+        let mut all: Vec<NodeId> = self.warehouse().nodes.ids().filter(|_| is_on_floor).collect();
+        all.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        all.into_iter().find(|node| self.keeps_out(next, kind, *node).is_none())
     }
 }

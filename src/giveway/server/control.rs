@@ -215,7 +215,7 @@ impl ControlLoop {
             self.metrics.pose_to_robot_stop.observe(took.as_secs_f64());
         }
         self.feeds.know(&self.drive.fleet().ledger().workers);
-        if let Some(counts) = self.links.take_counts(self.clock.now()) {
+        if let Some(counts) = self.links.take_counts() {
             self.metrics.note_link(&counts);
         }
         for alarm in alarms.into_iter().chain(self.links.take_alarms()) {

@@ -352,10 +352,14 @@ fn metres(mm: i64) -> f64 {
 pub(crate) mod tests {
     use super::*;
 
+    fn truck() -> Vehicle {
+        let figures = VehicleFigures { behind_m: 1.6, ..VehicleFigures::of_size(3.0, 1.2) };
+        Vehicle::new(figures).expect("it is a vehicle")
+    }
+
     /// A counterbalance forklift with a pallet on its forks, and the tag over its mast.
     pub fn forklift() -> Mover {
-        let figures = VehicleFigures { behind_m: 1.6, ..VehicleFigures::of_size(3.0, 1.2) };
-        Mover::Vehicle(Vehicle::new(figures).expect("it is a vehicle"))
+        Mover::Vehicle(truck())
     }
 
     fn near(found: f64, wanted: f64) {
@@ -397,9 +401,8 @@ pub(crate) mod tests {
 
     #[test]
     fn the_outline_lies_about_the_tag_and_within_the_turning_disc() {
-        let Mover::Vehicle(vehicle) = forklift() else { unreachable!("it is a vehicle") };
         let pose = Pose { at: Point::new(5.0, 2.0), heading: std::f64::consts::FRAC_PI_2 };
-        let corners = vehicle.outline(pose);
+        let corners = truck().outline(pose);
         let expected = [(5.6, 0.4), (5.6, 3.4), (4.4, 3.4), (4.4, 0.4)];
         for (corner, (x, y)) in corners.iter().zip(expected) {
             assert!((corner - Point::new(x, y)).norm() < 1e-9, "{corners:?}");

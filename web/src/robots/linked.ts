@@ -1,6 +1,6 @@
 // Robots of other vendors: the standard's words as people read them, what an action needs, how messages are listed.
 // Pure.
-import type { LinkedRobot, NewAction, SaidMessage, UnlistedRobot } from '../wire';
+import type { NewAction, SaidMessage, UnlistedRobot } from '../wire';
 import { t, wordsBy } from '../words';
 
 /** The link of robots that speak VDA 5050. */
@@ -47,12 +47,6 @@ export const statusWords = (status: string): string => STATUSES[status] ?? statu
 export const isMild = (level: string): boolean => level === 'WARNING' || level === 'URGENT';
 /** Whether nothing more will happen with an action. */
 export const isSettled = (status: string): boolean => status === 'FINISHED' || status === 'FAILED';
-
-/** How the server begins the reason of a robot that has refused three orders in a row. */
-const REFUSES = 'it refuses orders';
-/** Whether the robot waits until people have looked after it. */
-export const needsPeople = ({ failed, not_ready }: Pick<LinkedRobot, 'failed' | 'not_ready'>): boolean =>
-  failed !== null || (not_ready?.startsWith(REFUSES) ?? false);
 
 export interface ActionErrors {
   type?: string | undefined;

@@ -16,6 +16,8 @@ export interface LinkedRobot {
   needs_consent: boolean;
   /** The action that failed, in words; null if none did. */
   failed: string | null;
+  /** Whether it waits for people: an action failed, or it refuses orders. */
+  needs_care: boolean;
   /** Its order, in words. */
   order: string;
   /** Its last state; null if none has come. */

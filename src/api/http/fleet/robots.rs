@@ -84,7 +84,8 @@ fn usual_kind() -> String {
     operation_id = "registerRobot", request_body = NewRobot, responses(
     (status = 201, description = "It has joined, and that is durable; GET /v1/robots shows it", body = JoinedDto),
     (status = 200, description = "It had joined before, wherever it is by now", body = JoinedDto),
-    (status = 409, description = "Another robot holds the node, or the floor has no link to robots"),
+    (status = 404, description = "The floor has no link to robots of other vendors"),
+    (status = 409, description = "Another robot holds the node, has this name, or is listed under this serial number"),
     (status = 429)))]
 pub async fn register(
     Called(api): Called,
@@ -97,7 +98,7 @@ pub async fn register(
         (None, Some(manufacturer), Some(serial)) if wrong.is_empty() => {
             list(&api, NewLinked { name: name.clone(), manufacturer, serial, kind, version }).await?
         }
-        (Some(named), None, None) => {
+        (Some(named), None, None) if version.is_none() => {
             let node = api.map.node_named(&named);
             if node.is_none() {
                 wrong.push(FieldError::new("node", unknown("node", &named)));
@@ -114,6 +115,15 @@ pub async fn register(
     };
     let status = if is_new { StatusCode::CREATED } else { StatusCode::OK };
     Ok((status, Json(JoinedDto { id: name })))
+}
+
+/// Whether a robot that speaks VDA 5050 is listed and not on the floor.
+async fn is_listed_elsewhere(api: &Api, id: &str) -> Result<bool, Problem> {
+    if api.link.is_none() {
+        return Ok(false);
+    }
+    let robot = api.ask_link(|reply| LinkQuestion::Robot(id.to_owned(), reply)).await?;
+    Ok(robot.is_some_and(|robot| !robot.joined))
 }
 
 /// Lists a robot that speaks VDA 5050, for good. Gives whether it is new.
@@ -133,18 +143,17 @@ async fn list(api: &Api, new: NewLinked) -> Result<bool, Problem> {
 /// Take a robot off the floor for good. It finishes what it has begun, gives back jobs that it has not begun, and goes
 /// to a parking place. Switch it off there: once it has been silent for ten seconds it is gone, and nothing is kept
 /// free for it. A broken robot is then gone wherever it stands, if it carries no rack. Jobs that name the robot fail.
-/// To bring it back, register it again under its name.
+/// To bring it back, register it again under its name. A robot that speaks VDA 5050 and is not on the floor is listed
+/// no more; one that the site's file lists is back with the next start.
 #[utoipa::path(delete, path = "/v1/robots/{id}", tag = "floor", operation_id = "retireRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It will leave, and that is durable"),
     (status = 409, description = "It has left already")))]
 pub async fn retire(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
-    if api.link.is_some() {
+    if is_listed_elsewhere(&api, &id).await? {
         api.records.forget_linked(id.clone()).await.map_err(Problem::of_records)?;
-        let was_listed = api.ask_link(|reply| LinkQuestion::Unlist(id.clone(), reply)).await?;
-        if was_listed && parse_robot(&api, &id).is_err() {
-            return Ok(StatusCode::NO_CONTENT);
-        }
+        api.ask_link(|reply| LinkQuestion::Unlist(id, reply)).await?;
+        return Ok(StatusCode::NO_CONTENT);
     }
     done(&api, Ask::retire(parse_robot(&api, &id)?)).await
 }
@@ -171,7 +180,6 @@ pub async fn work_again(Called(api): Called, PathPart(id): PathPart) -> Result<S
 #[utoipa::path(post, path = "/v1/racks/{id}/taken", tag = "floor", operation_id = "takeRack", request_body = TakenRack,
     params(("id" = String, Path, example = "rack-1")), responses(
     (status = 204, description = "It stands there, and that is durable"),
-    (status = 404, description = "There is no such rack"),
     (status = 409, description = "The rack is on no robot, its robot can drive, or the node is taken"),
     (status = 422, description = "There is no such node, or it is not a storage node")))]
 pub async fn take_rack(

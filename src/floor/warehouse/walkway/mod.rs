@@ -144,6 +144,10 @@ impl Walkways {
     /// side does not fit there. With these cut, straight paths keep that distance from obstacles, too.
     pub fn edges_narrower_than(&self, clearance_m: f64) -> EdgeSet {
         let mut cut = EdgeSet { clearance_m, ..self.no_edges() };
+        // People need no room besides their own, and are asked for many times in a step.
+        if clearance_m <= 0.0 {
+            return cut;
+        }
         for (e, _) in self.edges.pairs().filter(|(_, edge)| edge.clearance_m < clearance_m) {
             cut.insert(e);
         }

@@ -53,8 +53,8 @@ impl Links {
     }
 
     /// What the link to robots of others counted since the last call, if there is one.
-    pub fn take_counts(&mut self, now: Time) -> Option<LinkTally> {
-        self.mqtt.as_mut().map(|mqtt| mqtt.take_counts(now))
+    pub fn take_counts(&mut self) -> Option<LinkTally> {
+        self.mqtt.as_mut().map(MqttRobots::take_counts)
     }
 
     /// Passes output on to the links.

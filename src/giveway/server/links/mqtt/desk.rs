@@ -140,7 +140,7 @@ impl MqttRobots {
         let listed = ListedRobot { name: new.name, address, kind: new.kind, version };
         if let Some(here) = self.robots.get_mut(&listed.address).filter(|here| here.listed == listed) {
             let comes_back = here.has_left(fleet.ledger());
-            (here.leaves, here.returns) = (false, comes_back);
+            here.returns = comes_back;
             return Ok(comes_back);
         }
         match (self.robots.get(&listed.address), self.named(&listed.name)) {
@@ -155,14 +155,11 @@ impl MqttRobots {
         Ok(true)
     }
 
-    /// Lists a robot no more. One that drives is retired first, and leaves the list when it is gone.
+    /// Lists a robot no more, unless it is on the floor: then it has to leave that first.
     fn unlist(&mut self, name: &str) -> bool {
-        let Ok(address) = self.address_of(name) else { return false };
-        match self.robots.get_mut(&address) {
-            Some(here) if here.number.is_some() => here.leaves = true,
-            _ => _ = self.robots.remove(&address),
-        }
-        true
+        let waits = self.named(name).filter(|here| here.number.is_none());
+        let address = waits.map(|here| here.listed.address.clone());
+        address.is_some_and(|address| self.robots.remove(&address).is_some())
     }
 
     /// Remembers a robot that nobody listed. What many of them say costs no more than a few.
@@ -174,7 +171,9 @@ impl MqttRobots {
         connection: Option<String>,
     ) {
         if self.unlisted.len() >= UNLISTED && !self.unlisted.contains_key(address) {
-            return;
+            let oldest = self.unlisted.iter().min_by_key(|(_, row)| row.heard);
+            let oldest = oldest.map(|(address, _)| address.clone());
+            oldest.map(|address| self.unlisted.remove(&address));
         }
         let row = self.unlisted.entry(address.clone()).or_insert_with(|| UnlistedRobot {
             manufacturer: address.manufacturer().to_owned(),
@@ -198,6 +197,7 @@ fn fate(here: &RobotHere, id: &str) -> Option<ActionFate> {
 fn row(here: &RobotHere, now: Time, fleet: &Fleet) -> LinkedRobot {
     let RobotHere { listed, session, .. } = here;
     let why = session.not_ready(now);
+    let needs_care = session.failure().is_some() || matches!(why, Some(NotReady::Rejects(_)));
     let left = "it has left the floor: POST /v1/robots registers it again";
     let left = here.has_left(fleet.ledger()).then(|| left.to_owned());
     let kind = fleet.ledger().kinds().named(&listed.kind);
@@ -215,6 +215,7 @@ fn row(here: &RobotHere, now: Time, fleet: &Fleet) -> LinkedRobot {
         needs_consent: matches!(why, Some(NotReady::NoPause(_))),
         not_ready: left.or(why.map(|why| why.to_string())),
         failed: session.failure().map(str::to_owned),
+        needs_care,
         order: session.order_text(),
         said: session.state().map(|(at, state)| said(at, state)),
         noticed: here.notices(),

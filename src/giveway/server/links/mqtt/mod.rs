@@ -21,7 +21,7 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_links::vda5050::{MessageStamp, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart};
 use giveway_site::{ListedRobot, MQTT_LINK, MqttLink};
-use giveway_vda5050::{Address, Header, Message, TopicKind, Version, read};
+use giveway_vda5050::{Address, Header, Message, Read, TopicKind, Version, read};
 use robot::RobotHere;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -34,7 +34,7 @@ const AT_ONCE: usize = 2_000;
 /// Robots remembered that nobody listed.
 const UNLISTED: usize = 200;
 /// A robot asks to join again after this, if it was not taken.
-const JOINS_AGAIN: Span = Span::from_secs(5);
+const JOINS_AGAIN: Span = Span::from_secs(1);
 /// The token of robots that ask to join.
 const JOINS: Token = Token { asker: Asker(7), number: 0 };
 /// A broker that is not there this long after the start is gone.
@@ -47,17 +47,13 @@ const EVENTS: usize = 10_000;
 const ALL_KINDS: [TopicKind; 4] =
     [TopicKind::State, TopicKind::Connection, TopicKind::Factsheet, TopicKind::Visualization];
 
-/// The line to the broker.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum BrokerState {
-    /// It was not up yet.
+/// How the line to the broker is, as far as people have to know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum BrokerState {
+    /// It was not up yet, and nobody was told so.
     Begins,
-    /// It is up.
     Up,
-    /// It is down since this time, for this reason.
-    Down(Time, String),
-    /// Another server has taken the robots over: this one sends nothing any more.
-    Displaced(Time),
+    Down,
 }
 
 /// The robots of a broker.
@@ -130,7 +126,7 @@ impl MqttRobots {
     pub fn new(begun: BegunLine, map: Arc<Warehouse>, now: Time) -> MqttRobots {
         let (desk, questions) = mpsc::channel(LINK_QUESTIONS);
         let BegunLine { link, line, heard: events } = begun;
-        let boot = now.0.unsigned_abs() / 1_000_000;
+        let boot = now.0.unsigned_abs() / 1_000;
         let mut all = MqttRobots {
             robots: BTreeMap::new(),
             unlisted: BTreeMap::new(),
@@ -200,9 +196,8 @@ impl MqttRobots {
     }
 
     /// What was counted since the last call.
-    pub fn take_counts(&mut self, now: Time) -> LinkTally {
-        let is_ready = |here: &&RobotHere| here.number.is_some() && here.session.not_ready(now).is_none();
-        let ready = self.robots.values().filter(is_ready).count();
+    pub fn take_counts(&mut self) -> LinkTally {
+        let ready = self.robots.values().filter(|here| here.session.is_commanded()).count();
         let not_ready = self.robots.len() - ready;
         LinkTally { ready, not_ready, ..std::mem::take(&mut self.counts) }
     }
@@ -232,7 +227,7 @@ impl MqttRobots {
             LineEvent::Down(why) => self.note_down(now, why),
             LineEvent::Displaced => {
                 tracing::error!("another server has taken the robots over: this one sends nothing any more");
-                self.state = BrokerState::Displaced(now);
+                self.state = BrokerState::Down;
                 self.with_all(now, |session| session.line_is_down(now));
                 self.alarms.push(DriveAlarm::Raise(AlarmKind::RobotsTakenOver, alarms::robots_taken_over()));
             }
@@ -241,12 +236,12 @@ impl MqttRobots {
     }
 
     fn note_down(&mut self, now: Time, why: String) {
-        if matches!(self.state, BrokerState::Down(..)) {
+        if self.state == BrokerState::Down {
             return;
         }
         tracing::warn!(why, "the broker is gone; robots drive to the end of what they were released");
         self.alarms.push(DriveAlarm::Raise(AlarmKind::BrokerGone, alarms::broker_gone(&why)));
-        self.state = BrokerState::Down(now, why);
+        self.state = BrokerState::Down;
         self.with_all(now, |session| session.line_is_down(now));
     }
 
@@ -275,9 +270,11 @@ impl MqttRobots {
     fn take_message(&mut self, now: Time, topic: &str, payload: &[u8]) {
         let Some((address, level, kind)) = Address::of_topic(topic, &self.link.interface) else { return };
         let Some(here) = self.robots.get_mut(&address) else {
-            let said = read(kind, payload).ok().map(|said| said.message);
+            let said = (kind == TopicKind::Connection).then(|| read(kind, payload));
             let connection = match said {
-                Some(Message::Connection(connection)) => Some(format!("{connection:?}").to_uppercase()),
+                Some(Ok(Read { message: Message::Connection(connection), .. })) => {
+                    Some(format!("{connection:?}").to_uppercase())
+                }
                 _ => None,
             };
             return self.note_unlisted(now, &address, level, connection);
@@ -324,10 +321,14 @@ impl MqttRobots {
             return Some(RobotHeard::OtherVersion(header.version));
         }
         if robot.session.version() != version {
+            // A broker keeps what a robot said of its connection before it learned another version.
+            if robot.session.state().is_some() && !matches!(message, Message::State(_)) {
+                return None;
+            }
             let before = self.robots.remove(address)?;
             // A robot that has joined joins its new session in the next turn.
             before.number.map(|number| self.numbers.remove(&number));
-            self.robots.insert(address.clone(), self.begin_again(before, version));
+            self.robots.insert(address.clone(), before.begin_again(version));
         }
         let stamp = MessageStamp { id: header.id, timestamp: header.timestamp };
         match message {
@@ -342,13 +343,6 @@ impl MqttRobots {
     fn begin_session(&self, listed: ListedRobot, version: Version) -> RobotHere {
         let settings = self.link.kinds.get(&listed.kind).cloned().unwrap_or_default();
         RobotHere::new(listed, version, settings, (self.map.clone(), self.boot))
-    }
-
-    /// Another session with a robot, of which what was said is kept.
-    fn begin_again(&self, before: RobotHere, version: Version) -> RobotHere {
-        let mut here = self.begin_session(before.listed, version);
-        (here.said, here.noticed) = (before.said, before.noticed);
-        here
     }
 
     /// Takes robots that the ledger has, by their names, for those that have joined.
@@ -381,18 +375,15 @@ impl MqttRobots {
         }
     }
 
-    /// Robots that have left the floor are commanded no more; those that are listed no more are forgotten.
+    /// Robots that have left the floor are commanded no more.
     fn let_leave(&mut self, ledger: &Ledger) {
         let is_gone = |robot: &RobotId| ledger.robots.get(*robot).is_none_or(|record| record.is_gone());
         let gone: Vec<RobotId> = self.numbers.keys().filter(|robot| is_gone(robot)).copied().collect();
         for robot in gone {
-            let Some(before) = self.numbers.remove(&robot).and_then(|address| self.robots.remove(&address))
-            else {
-                continue;
-            };
-            if !before.leaves {
+            let left = self.numbers.remove(&robot).and_then(|address| self.robots.remove_entry(&address));
+            if let Some((address, before)) = left {
                 let version = before.session.version();
-                self.robots.insert(before.listed.address.clone(), self.begin_again(before, version));
+                self.robots.insert(address, before.begin_again(version));
             }
         }
     }
@@ -402,13 +393,15 @@ impl MqttRobots {
     fn ask_to_join(&mut self, now: Time, address: &Address, fleet: &Fleet) {
         let Some(here) = self.robots.get_mut(address) else { return };
         let waits = here.asked_to_join.is_some_and(|asked| now - asked < JOINS_AGAIN);
-        if here.number.is_some() || waits || here.has_left(fleet.ledger()) {
+        if here.number.is_some() || waits {
             return;
         }
+        let Some(at) = here.session.whereabouts(now).filter(|_| !here.has_left(fleet.ledger())) else {
+            return;
+        };
+        here.asked_to_join = Some(now);
         let ListedRobot { name, kind, .. } = here.listed.clone();
-        let place = here.session.whereabouts(now).and_then(|at| fleet.place_to_join(&kind, at));
-        if let Some(node) = place {
-            here.asked_to_join = Some(now);
+        if let Some(node) = fleet.place_to_join(&kind, at) {
             let joins = RobotAction::Register { name, kind, node, link: Some(MQTT_LINK.to_owned()) };
             self.inputs.push(Input::ask(JOINS, joins));
         }

@@ -27,8 +27,6 @@ pub struct RobotHere {
     /// Its number, once it has joined.
     pub number: Option<RobotId>,
     pub asked_to_join: Option<Time>,
-    /// Whether it is listed no more, and is forgotten when it has left the floor.
-    pub leaves: bool,
     /// Whether it may join again after it has left the floor: somebody has registered it anew.
     pub returns: bool,
     pub noticed: VecDeque<(Time, Notice)>,
@@ -55,13 +53,17 @@ impl RobotHere {
             session,
             number: None,
             asked_to_join: None,
-            leaves: false,
             returns: false,
             noticed,
             said,
             spelling,
             next,
         }
+    }
+
+    /// The same robot in another session. What was said is kept, and the numbers of messages go on.
+    pub fn begin_again(self, version: Version) -> RobotHere {
+        RobotHere { session: self.session.begin_again(version), number: None, asked_to_join: None, ..self }
     }
 
     /// The text of a message for the robot.
