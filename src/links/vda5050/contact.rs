@@ -212,8 +212,8 @@ impl RobotSession {
         }
     }
 
-    /// Looks again whether the robot has done what it was asked to do. What a later state does not show at all was lost,
-    /// and is sent again, with the same id.
+    /// Looks again whether the robot has done what it was asked to do. What a later state does not show at all was
+    /// lost, and is sent again, with the same id.
     pub(super) fn ask_again(&mut self, now: Time, mut asked: AskedAction, kind: &str) -> AskedAction {
         const SHOWS: Span = Span::from_millis(1500);
         /// A robot that was asked so often lists no actions: it is asked seldom from then on.

@@ -74,8 +74,8 @@ pub(super) enum UpdateLife {
 }
 
 impl LegOrder {
-    /// Whether the order is one of an earlier process. No update of it is sent: another one with the same number may still
-    /// be on its way, and its last node may have an action.
+    /// Whether the order is one of an earlier process. No update of it is sent: another one with the same number may
+    /// still be on its way, and its last node may have an action.
     fn is_adopted(&self) -> bool {
         self.message.is_none()
     }
@@ -92,9 +92,9 @@ impl RobotSession {
         first_of(order).is_some()
     }
 
-    /// Takes an order of an earlier process for its own, if a state shows that the robot has or had one. What that process
-    /// sent last may reach the robot later than the first question of this one, so that each state is looked at until
-    /// this process has sent something itself.
+    /// Takes an order of an earlier process for its own, if a state shows that the robot has or had one. What that
+    /// process sent last may reach the robot later than the first question of this one, so that each state is looked at
+    /// until this process has sent something itself.
     pub(super) fn adopt(&mut self, now: Time) {
         let Some(granted) = self.adopts else { return };
         if !self.knows_what_was_ordered() {
@@ -131,7 +131,8 @@ impl RobotSession {
         });
     }
 
-    /// Whether no order of an earlier process can be unknown: there was none, or a state has come that answers this one.
+    /// Whether no order of an earlier process can be unknown: there was none, or a state has come that answers this
+    /// process.
     pub(super) fn knows_what_was_ordered(&self) -> bool {
         self.adopts.is_none() || self.is_answer()
     }
@@ -246,8 +247,8 @@ impl RobotSession {
         self.state.as_ref().is_some_and(|(_, state)| state.nodes.is_empty() && state.edges.is_empty())
     }
 
-    /// The robot has driven what an earlier process ordered. If that process announced more, the robot waits for it: such
-    /// an order is cancelled first.
+    /// The robot has driven what an earlier process ordered. If that process announced more, the robot waits for it:
+    /// such an order is cancelled first.
     fn go_on_from_adopted(&mut self, now: Time, wanted: &WantedDrive, acts: bool) {
         let OrderLife::Has(leg) = &self.order else { return };
         if leg.announces {
@@ -489,8 +490,8 @@ impl RobotSession {
         self.give_up(now);
     }
 
-    /// An order that was not taken is over. If an earlier update of it was, or the robot drives by another order of ours,
-    /// that one is cancelled.
+    /// An order that was not taken is over. If an earlier update of it was, or the robot drives by another order of
+    /// ours, that one is cancelled.
     fn give_up(&mut self, now: Time) {
         self.rests_until = now + RESTS;
         let OrderLife::Has(leg) = &self.order else { return };

@@ -20,8 +20,8 @@ impl RobotSession {
         }
     }
 
-    /// Reports to the fleet, if the robot has joined and its place is known. Until it is known what the robot was ordered
-    /// before, it would seem to be where it was never released to.
+    /// Reports to the fleet, if the robot has joined and its place is known. Until it is known what the robot was
+    /// ordered before, it would seem to be where it was never released to.
     pub(super) fn report(&mut self, now: Time) {
         if !self.knows_what_was_ordered() {
             return;
