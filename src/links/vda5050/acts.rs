@@ -59,8 +59,8 @@ impl RobotSession {
 
     /// Notes in a state whether the robot is done at the end of its order.
     pub(super) fn note_act(&mut self, now: Time) {
-        let (Some((_, state)), OrderLife::Has(leg), Some(progress)) =
-            (&self.state, &mut self.order, &self.progress)
+        let (Some((_, state)), Some(leg), Some(progress)) =
+            (&self.state, self.order.leg_mut(), &self.progress)
         else {
             return;
         };
@@ -74,6 +74,8 @@ impl RobotSession {
         let act = act.clone();
         match self.end_of(&act, now - there >= SAYS) {
             Some(ActEnd::Done) => self.finish(&act),
+            // What is cancelled need not be done.
+            Some(ActEnd::Failed(_)) if matches!(self.order, OrderLife::Cancels { .. }) => {}
             Some(ActEnd::Failed(notice)) => {
                 let words = notice.to_string();
                 self.notice(notice);
@@ -129,7 +131,10 @@ impl RobotSession {
     }
 
     fn finish(&mut self, act: &LegAct) {
-        self.order = OrderLife::Idle;
+        match &mut self.order {
+            OrderLife::Cancels { leg, .. } => leg.act = None,
+            OrderLife::Idle | OrderLife::Has(_) => self.order = OrderLife::Idle,
+        }
         let Some(progress) = &mut self.progress else { return };
         progress.acted = Some(act.serial);
         progress.rack = match act.act {

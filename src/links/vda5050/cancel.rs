@@ -3,7 +3,7 @@
 //! Main type: [`Cancel`]. Refuses: to take a robot's word for it, and to send anything more for a cancelled order.
 
 use super::notice::Notice;
-use super::order::OrderLife;
+use super::order::{LegOrder, OrderLife, UpdateLife};
 use super::session::{AskedAction, RobotSession};
 use giveway_floor::time::{Span, Time};
 
@@ -72,14 +72,35 @@ impl RobotSession {
         cancel.said = cancel.said.or(says.then_some(now));
         let goes_on = cancel.said.is_some_and(|said| now - said >= BRAKES);
         if goes_on && !std::mem::replace(&mut cancel.is_false, true) {
+            self.claims_cancels = true;
             self.notice(Notice::FalseCancel);
-        } else if !goes_on
-            && now - cancel.asked.since >= ENDS
-            && !std::mem::replace(&mut cancel.is_late, true)
-        {
+        } else if goes_on {
+            self.resume_claimed();
+        } else if now - cancel.asked.since >= ENDS && !std::mem::replace(&mut cancel.is_late, true) {
             self.notice(Notice::NoCancel);
         }
         true
+    }
+
+    /// A robot that claims to have cancelled its order, and has driven all of it that was released, waits for the rest.
+    /// It refuses other orders, so that it goes on by this one; what was taken back is taken back all the same.
+    fn resume_claimed(&mut self) {
+        let (Some((_, state)), Some(progress)) = (&self.state, &mut self.progress) else { return };
+        let OrderLife::Cancels { leg, cancel } = &self.order else { return };
+        let drives = state.nodes.iter().any(|n| n.released) || state.edges.iter().any(|e| e.released);
+        let reached = leg.serial(state.last_sequence);
+        if state.order != leg.id || drives || reached != progress.reached || !self.motion.stands() {
+            return;
+        }
+        (progress.known, progress.recalls) = (reached, cancel.number.unwrap_or(progress.recalls));
+        let nodes = leg.nodes[..=(reached - leg.first) as usize].to_vec();
+        let (base, known, sent) = (reached, reached, UpdateLife::Taken);
+        // The number of an update that was lost is not used again for another one.
+        let update = leg.update.max(state.update);
+        let (announces, complaints) = (!state.nodes.is_empty(), state.errors.clone());
+        let leg =
+            LegOrder { base, known, update, sent, nodes, announces, complaints, act: None, ..leg.clone() };
+        self.order = OrderLife::Has(leg);
     }
 
     fn end_cancel(&mut self, cancel: &Cancel) {

@@ -9,7 +9,7 @@ use super::acts::LegAct;
 use super::cancel::Cancel;
 use super::contact::ON_NODE_M;
 use super::notice::Notice;
-use super::session::{RobotSession, WantedDrive};
+use super::session::{EXPIRES, RobotSession, WantedDrive};
 use giveway_fleet::{Act, Waypoint};
 use giveway_floor::geometry::Point;
 use giveway_floor::id::NodeId;
@@ -35,6 +35,16 @@ pub(super) enum OrderLife {
     Has(LegOrder),
     /// It is being cancelled.
     Cancels { leg: LegOrder, cancel: Cancel },
+}
+
+impl OrderLife {
+    /// The order that the robot has, or that is being cancelled.
+    pub fn leg_mut(&mut self) -> Option<&mut LegOrder> {
+        match self {
+            OrderLife::Idle => None,
+            OrderLife::Has(leg) | OrderLife::Cancels { leg, .. } => Some(leg),
+        }
+    }
 }
 
 /// An order of one leg.
@@ -146,10 +156,12 @@ impl RobotSession {
         lists || self.first_asked.is_some_and(|asked| *heard >= asked + TAKES)
     }
 
-    /// Notes in a state what the robot has taken of its order, and how far it is with it.
+    /// Notes in a state what the robot has taken of its order, and how far it is with it. It may drive on for a while
+    /// when its order is cancelled.
     pub(super) fn note_order(&mut self, now: Time) {
-        let (Some((_, state)), OrderLife::Has(leg), Some(progress)) =
-            (&self.state, &mut self.order, &mut self.progress)
+        let is_cancelled = matches!(self.order, OrderLife::Cancels { .. });
+        let (Some((_, state)), Some(leg), Some(progress)) =
+            (&self.state, self.order.leg_mut(), &mut self.progress)
         else {
             return;
         };
@@ -161,10 +173,10 @@ impl RobotSession {
                 }
                 (leg.sent, leg.known) = (UpdateLife::Taken, leg.base);
                 self.rejected.0 = 0;
-            } else if let Some(words) = complaint(leg, &state.errors) {
+            } else if let Some(words) = complaint(leg, &state.errors).filter(|_| !is_cancelled) {
                 return self.reject(now, words);
             }
-        } else if !has_it {
+        } else if !has_it && !is_cancelled {
             // The robot has forgotten the order: it began anew. It gets another one from where it is.
             self.order = OrderLife::Idle;
             progress.known = progress.reached;
@@ -251,13 +263,29 @@ impl RobotSession {
     /// such an order is cancelled first.
     fn go_on_from_adopted(&mut self, now: Time, wanted: &WantedDrive, acts: bool) {
         let OrderLife::Has(leg) = &self.order else { return };
-        if leg.announces {
+        if leg.announces && self.claims_cancels {
+            self.continue_adopted(now, wanted);
+        } else if leg.announces {
             self.begin_cancel(now, None);
         } else if self.has_driven_all() && acts {
             self.act_where_it_stands(now, wanted);
         } else if self.has_driven_all() {
             self.order = OrderLife::Idle;
         }
+    }
+
+    /// Continues the order of an earlier process of a robot that only claims to cancel, once nothing that this process
+    /// sent can be on its way any more. The update's number is one that no process has used.
+    fn continue_adopted(&mut self, now: Time, wanted: &WantedDrive) {
+        const BEYOND: Span = Span::from_secs(1);
+        let is_settled = self.first_asked.is_some_and(|asked| now - asked >= EXPIRES + BEYOND);
+        let (Some(end), OrderLife::Has(leg)) =
+            (self.base_end(wanted).filter(|_| is_settled), &mut self.order)
+        else {
+            return;
+        };
+        leg.update = leg.update.max(number_of(self.boot));
+        self.send_update(now, wanted, end);
     }
 
     /// The robot has driven its order and is to do something where it is, of which the order says nothing. An order of
@@ -502,6 +530,12 @@ impl RobotSession {
             self.order = OrderLife::Idle;
         }
     }
+}
+
+/// A number of updates that grows from process to process: tenths of a second since 2026.
+fn number_of(boot_ms: u64) -> u32 {
+    const BEGIN_MS: u64 = 1_767_225_600_000;
+    u32::try_from(boot_ms.saturating_sub(BEGIN_MS) / 100).unwrap_or(u32::MAX)
 }
 
 fn edge(from: &Node, to: &Node) -> Edge {

@@ -128,8 +128,10 @@ impl RobotSession {
         self.pause.wanted && !self.says_paused() && self.pauses()
     }
 
+    /// Whether the robot is paused, as it says; of one that never says it, as the actions tell that it lists.
     pub(super) fn says_paused(&self) -> bool {
-        self.state.as_ref().is_some_and(|(_, state)| state.paused == Some(true))
+        let said = self.state.as_ref().map(|(_, state)| state.paused);
+        said.is_some_and(|paused| paused.unwrap_or_else(|| self.lists_pause_last()))
     }
 
     fn tell_again(&mut self, now: Time, mut asked: AskedAction, kind: &str) {

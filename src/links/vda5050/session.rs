@@ -133,7 +133,7 @@ pub struct RobotSession {
     pub(super) version: Version,
     pub(super) settings: RobotLinkSettings,
     pub(super) map: Arc<Warehouse>,
-    /// A number that is greater in each process: what two processes send never has the same id.
+    /// When the process began, milliseconds since 1970: what two processes send never has the same id.
     pub(super) boot: u64,
     /// Ids given out so far.
     pub(super) ids: u64,
@@ -174,6 +174,8 @@ pub struct RobotSession {
     pub(super) sent: VecDeque<SentAction>,
     /// The last notice, which is not given twice in a row.
     pub(super) last_notice: Option<Notice>,
+    /// Whether the robot was seen to claim that it cancelled its order, and to keep it.
+    pub(super) claims_cancels: bool,
     /// Rejections in a row, with the robot's last words.
     pub(super) rejected: (u32, String),
     /// Until when no order is sent, after a rejection.
@@ -224,6 +226,7 @@ impl RobotSession {
             trust: Trust::default(),
             sent: VecDeque::new(),
             last_notice: None,
+            claims_cancels: false,
             rejected: (0, String::new()),
             rests_until: Time::ZERO,
             seq: 0,
