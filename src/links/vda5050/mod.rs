@@ -7,6 +7,7 @@
 //! it.
 
 mod acts;
+mod adopt;
 mod cancel;
 mod charge;
 mod contact;

@@ -9,7 +9,7 @@ use super::acts::LegAct;
 use super::cancel::Cancel;
 use super::contact::ON_NODE_M;
 use super::notice::Notice;
-use super::session::{EXPIRES, RobotSession, WantedDrive};
+use super::session::{RobotSession, WantedDrive};
 use giveway_fleet::{Act, Waypoint};
 use giveway_floor::geometry::Point;
 use giveway_floor::id::NodeId;
@@ -18,7 +18,7 @@ use giveway_site::RepeatRule;
 use giveway_vda5050::{Edge, Message, Node, NodePosition, Order, RobotError, State, TopicKind};
 
 /// An order that a state does not reflect after this is asked about.
-const TAKES: Span = Span::from_millis(1000);
+pub(super) const TAKES: Span = Span::from_millis(1000);
 /// How often one order is sent.
 const TIMES: u32 = 3;
 /// After a rejection no order is sent for this long.
@@ -100,60 +100,6 @@ impl RobotSession {
     /// Whether an order has an id of ours.
     pub(super) fn is_ours(&self, order: &str) -> bool {
         first_of(order).is_some()
-    }
-
-    /// Takes an order of an earlier process for its own, if a state shows that the robot has or had one. What that
-    /// process sent last may reach the robot later than the first question of this one, so that each state is looked at
-    /// until this process has sent something itself.
-    pub(super) fn adopt(&mut self, now: Time) {
-        let Some(granted) = self.adopts else { return };
-        if !self.knows_what_was_ordered() {
-            return self.look_again(now);
-        }
-        let (Some((_, state)), Some(progress)) = (&self.state, &mut self.progress) else { return };
-        let drives = state.nodes.iter().any(|node| node.released);
-        let is_news = match &self.order {
-            OrderLife::Idle => drives || progress.acted.is_none(),
-            OrderLife::Has(leg) => leg.id != state.order && drives || state.update > leg.update,
-            OrderLife::Cancels { .. } => false,
-        };
-        let Some(first) = first_of(&state.order).filter(|_| is_news) else { return };
-        // The robot may say any number.
-        let reached = first.saturating_add(u64::from(state.last_sequence / 2));
-        if !(progress.reached..=granted).contains(&reached) {
-            return;
-        }
-        let left = state.nodes.iter().filter(|node| node.released).map(|node| node.sequence).max();
-        let base = left.map_or(reached, |sequence| first + u64::from(sequence / 2)).clamp(reached, granted);
-        (progress.reached, progress.known) = (reached, base);
-        self.order = OrderLife::Has(LegOrder {
-            id: state.order.clone(),
-            first,
-            update: state.update,
-            base,
-            known: base,
-            sent: UpdateLife::Taken,
-            nodes: vec![None; (base + 1).saturating_sub(first) as usize],
-            announces: state.nodes.iter().any(|node| !node.released),
-            act: None,
-            complaints: Vec::new(),
-            message: None,
-        });
-    }
-
-    /// Whether no order of an earlier process can be unknown: there was none, or a state has come that answers this
-    /// process.
-    pub(super) fn knows_what_was_ordered(&self) -> bool {
-        self.adopts.is_none() || self.is_answer()
-    }
-
-    /// Whether the robot said its last state after this session had asked for one: it lists what it was asked, or had
-    /// time to answer. An earlier state may be older than the last order of an earlier process.
-    fn is_answer(&self) -> bool {
-        let Some((heard, state)) = &self.state else { return false };
-        let ours = format!("gw-{}-", self.boot);
-        let lists = state.actions.iter().chain(&state.instant_actions).any(|a| a.id.starts_with(&ours));
-        lists || self.first_asked.is_some_and(|asked| *heard >= asked + TAKES)
     }
 
     /// Notes in a state what the robot has taken of its order, and how far it is with it. It may drive on for a while
@@ -255,42 +201,13 @@ impl RobotSession {
     }
 
     /// Whether the robot has nothing left to drive, as it says.
-    fn has_driven_all(&self) -> bool {
+    pub(super) fn has_driven_all(&self) -> bool {
         self.state.as_ref().is_some_and(|(_, state)| state.nodes.is_empty() && state.edges.is_empty())
-    }
-
-    /// The robot has driven what an earlier process ordered. If that process announced more, the robot waits for it:
-    /// such an order is cancelled first.
-    fn go_on_from_adopted(&mut self, now: Time, wanted: &WantedDrive, acts: bool) {
-        let OrderLife::Has(leg) = &self.order else { return };
-        if leg.announces && self.claims_cancels {
-            self.continue_adopted(now, wanted);
-        } else if leg.announces {
-            self.begin_cancel(now, None);
-        } else if self.has_driven_all() && acts {
-            self.act_where_it_stands(now, wanted);
-        } else if self.has_driven_all() {
-            self.order = OrderLife::Idle;
-        }
-    }
-
-    /// Continues the order of an earlier process of a robot that only claims to cancel, once nothing that this process
-    /// sent can be on its way any more. The update's number is one that no process has used.
-    fn continue_adopted(&mut self, now: Time, wanted: &WantedDrive) {
-        const BEYOND: Span = Span::from_secs(1);
-        let is_settled = self.first_asked.is_some_and(|asked| now - asked >= EXPIRES + BEYOND);
-        let (Some(end), OrderLife::Has(leg)) =
-            (self.base_end(wanted).filter(|_| is_settled), &mut self.order)
-        else {
-            return;
-        };
-        leg.update = leg.update.max(number_of(self.boot));
-        self.send_update(now, wanted, end);
     }
 
     /// The robot has driven its order and is to do something where it is, of which the order says nothing. An order of
     /// an earlier process may have said it.
-    fn act_where_it_stands(&mut self, now: Time, wanted: &WantedDrive) {
+    pub(super) fn act_where_it_stands(&mut self, now: Time, wanted: &WantedDrive) {
         let OrderLife::Has(leg) = &self.order else { return };
         let (base, announces, is_adopted) = (leg.base, leg.announces, leg.is_adopted());
         let here = wanted.waypoints.iter().find(|w| w.serial == base);
@@ -326,7 +243,7 @@ impl RobotSession {
     }
 
     /// The last visit that the robot may be released to: no farther than the longest base, and one more at least.
-    fn base_end(&self, wanted: &WantedDrive) -> Option<u64> {
+    pub(super) fn base_end(&self, wanted: &WantedDrive) -> Option<u64> {
         let (reached, longest_m) = (self.progress.as_ref()?.reached, self.longest_base_m());
         let ahead = wanted.waypoints.iter().filter(|w| w.serial >= reached).take(self.most_nodes());
         let (mut end, mut length_m, mut last) = (None, 0.0, None::<Point>);
@@ -384,7 +301,7 @@ impl RobotSession {
     }
 
     /// Releases more of the order that the robot has.
-    fn send_update(&mut self, now: Time, wanted: &WantedDrive, end: u64) {
+    pub(super) fn send_update(&mut self, now: Time, wanted: &WantedDrive, end: u64) {
         let OrderLife::Has(leg) = &self.order else { return };
         let (id, first, base, update) = (leg.id.clone(), leg.first, leg.base, leg.update.saturating_add(1));
         let more: Vec<Waypoint> =
@@ -530,12 +447,6 @@ impl RobotSession {
             self.order = OrderLife::Idle;
         }
     }
-}
-
-/// A number of updates that grows from process to process: tenths of a second since 2026.
-fn number_of(boot_ms: u64) -> u32 {
-    const BEGIN_MS: u64 = 1_767_225_600_000;
-    u32::try_from(boot_ms.saturating_sub(BEGIN_MS) / 100).unwrap_or(u32::MAX)
 }
 
 fn edge(from: &Node, to: &Node) -> Edge {

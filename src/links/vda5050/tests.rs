@@ -46,6 +46,8 @@ struct Pair {
     told: Vec<(Time, TopicKind, Message)>,
     noticed: Vec<Notice>,
     watch: OrderWatch,
+    /// How far its clock is ahead.
+    clock: Span,
     /// How often an operator found that an action of it had failed.
     failures: u32,
     /// An action that each state of the robot says besides its own.
@@ -200,6 +202,7 @@ impl LinkFloor {
             told: Vec::new(),
             noticed: Vec::new(),
             watch: OrderWatch::default(),
+            clock: Span::ZERO,
             failures: 0,
             says_also: None,
             acts: BTreeMap::new(),
@@ -236,7 +239,7 @@ impl LinkFloor {
                 state.actions.retain(|action| action.id != also.id);
                 state.actions.push(also.clone());
             }
-            let stamp = MessageStamp { id: pair.next, timestamp: format!("{:020}", now.0) };
+            let stamp = MessageStamp { id: pair.next, timestamp: format!("{:020}", (now + pair.clock).0) };
             pair.next += 1;
             for late in self.chance.copies() {
                 pair.to_fleet.push((now + late, travel(said.topic, &said.message, version), stamp.clone()));

@@ -1,5 +1,5 @@
-//! Floors of drawn robots with drawn habits and faults, under an operator who does what the robots' cards ask for: every
-//! job is done once.
+//! Floors of drawn robots with drawn habits and faults, under an operator who does what the robots' cards ask for:
+//! every job is done once.
 
 use super::*;
 use giveway_vda5050::robot::{
@@ -62,8 +62,8 @@ fn robot(pick: &mut impl FnMut(usize) -> usize, may_lie: bool) -> RobotSetup {
 }
 
 impl LinkFloor {
-    /// What an operator does who looks at the robots' cards every few seconds. A robot that fails again and again is sent
-    /// to maintenance.
+    /// What an operator does who looks at the robots' cards every few seconds. A robot that fails again and again is
+    /// sent to maintenance.
     fn operate(&mut self) {
         let mut inputs = Vec::new();
         for i in 0..self.pairs.len() {
@@ -108,6 +108,8 @@ impl LinkFloor {
 fn everything_at_once(seed: u64) -> f64 {
     let mut chance = Chance { state: seed, ..Chance::default() };
     let mut pick = |n: usize| (chance.unit() * n as f64) as usize;
+    let mut clocks = Chance { state: seed + 2, ..Chance::default() };
+    let mut pick_clock = |n: usize| (clocks.unit() * n as f64) as usize;
     // One robot at least is honest: it can do what others cannot.
     let count = 2 + pick(4);
     let setups: Vec<RobotSetup> = (0..count).map(|i| robot(&mut pick, i > 0)).collect();
@@ -117,6 +119,12 @@ fn everything_at_once(seed: u64) -> f64 {
     let (restarts, reboots) = (pick(4), pick(3));
     let mut floor = LinkFloor::new(map, setups);
     floor.chance = Chance { state: seed + 1, lost, doubled, late_ms };
+    let mut clock = |floor: &mut LinkFloor, i: usize| {
+        const CLOCKS_S: [i64; 4] = [0, 0, 86_400, 3_600];
+        // Stamps are compared as texts, so that none may be negative.
+        floor.pairs[i].clock = Span::from_secs(CLOCKS_S[pick_clock(CLOCKS_S.len())]);
+    };
+    (0..count).for_each(|i| clock(&mut floor, i));
     floor.run_operated(60);
     let jobs = floor.submit_deliveries(8);
     let mut faults: Vec<bool> = vec![true; restarts];
@@ -125,7 +133,12 @@ fn everything_at_once(seed: u64) -> f64 {
         floor.run_operated(3 + pick(25) as i64);
         match is_restart {
             true => floor.restart(),
-            false => floor.reboot(pick(floor.pairs.len())),
+            // It may find its clock set back, or ahead.
+            false => {
+                let i = pick(floor.pairs.len());
+                floor.reboot(i);
+                clock(&mut floor, i);
+            }
         }
         // Some processes die as soon as they have begun.
         if is_restart && pick(2) == 0 {

@@ -133,6 +133,7 @@ impl LinkFloor {
         {
             pair.robot.robot.reboot(position, &state.last_node);
             pair.to_robot.clear();
+            pair.next = 0;
         }
     }
 }
