@@ -39,8 +39,8 @@ pub use outgoing::targets::{Network, Targets};
 pub use outgoing::webhooks::{FailedMessage, HookReply, HookRequest, Taken, Webhook, WebhookAccess};
 pub use port::answers::{AnswerPort, KeptAnswer, KeyedRequest, KnownRequest};
 pub use port::linked::{
-    ActionFate, LINK_QUESTIONS, LinkQuestion, LinkTally, LinkedRobot, NewLinked, NotDone, NoticedOfRobot,
-    OperatorAction, RobotTrust, SaidError, SaidMessage, SaidState, UnlistedRobot,
+    ActionFate, FigureRow, LINK_QUESTIONS, LinkQuestion, LinkTally, LinkedRobot, NewLinked, NotDone,
+    NoticedOfRobot, OperatorAction, RobotTrust, SaidError, SaidMessage, SaidState, UnlistedRobot,
 };
 pub use port::moment::{LoopFigures, Moment, SharedHistory};
 pub use port::questions::{AnswerAt, QUESTIONS, QUESTIONS_AT_ONCE, Question, WaitChain};

@@ -4,6 +4,7 @@
 //! name, and impossible figures.
 
 use crate::check::{SiteError, check};
+use crate::open_kind::KindFigure;
 use crate::vda5050::{LinkFigures, RobotLinkSettings};
 use crate::words;
 use giveway_fleet::{Capabilities, Charging, ObeyedLimits, RobotKind, USUAL_KIND};
@@ -12,11 +13,12 @@ use giveway_floor::route::Kinematics;
 use giveway_floor::text::name_fault;
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::Footprint;
+use giveway_vda5050::Factsheet;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// The figures of a kind in files; missing ones take their defaults.
-#[derive(Default, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct KindFigures {
     speed_mps: Option<f64>,
@@ -35,7 +37,7 @@ pub struct KindFigures {
 }
 
 /// [`Capabilities`] in their file form.
-#[derive(Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct CapabilityFigures {
     revocation: bool,
@@ -53,7 +55,7 @@ impl Default for CapabilityFigures {
 }
 
 /// An outline in its file form.
-#[derive(Clone, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum Outline {
     /// The side of a square along the map's axes, metres.
@@ -65,7 +67,7 @@ enum Outline {
 }
 
 /// Whether a robot turns to where it drives.
-#[derive(Clone, Copy, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum DriveWord {
     #[default]
@@ -88,7 +90,7 @@ pub struct NamedKind {
 }
 
 /// [`Charging`] in its file form.
-#[derive(Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Battery {
     critical: f64,
@@ -213,6 +215,40 @@ impl CapabilityFigures {
 }
 
 impl KindFigures {
+    /// Whether the file leaves a figure out.
+    pub(crate) fn leaves_out(&self, figure: KindFigure) -> bool {
+        match figure {
+            KindFigure::Speed => self.speed_mps.is_none() && self.speed_loaded_mps.is_none(),
+            KindFigure::Acceleration => {
+                self.accel_unloaded_mps2.is_none() && self.accel_loaded_mps2.is_none()
+            }
+            KindFigure::Outline => self.footprint.is_none() && self.footprint_loaded.is_none(),
+            KindFigure::Payload => self.payload_kg.is_none(),
+        }
+    }
+
+    /// Takes what is left out from a factsheet, where it says something that a file might say.
+    pub(crate) fn fill(&mut self, sheet: &Factsheet) {
+        let within = |said: Option<f64>, least: f64, most: f64| said.filter(|x| (least..=most).contains(x));
+        if self.leaves_out(KindFigure::Speed) {
+            self.speed_mps = within(sheet.speed_mps, 0.1, 5.0);
+        }
+        if self.leaves_out(KindFigure::Acceleration) {
+            // A kind brakes as it accelerates: the weaker of the two holds for both.
+            let said = [sheet.accel_mps2, sheet.brake_mps2].map(|said| within(said, 0.05, 5.0));
+            let weaker = said.into_iter().flatten().reduce(f64::min);
+            (self.accel_unloaded_mps2, self.accel_loaded_mps2) = (weaker, weaker);
+        }
+        let size = [sheet.length_m, sheet.width_m].map(|said| within(said, 0.05, 10.0));
+        if let ([Some(length), Some(width)], true) = (size, self.leaves_out(KindFigure::Outline)) {
+            let (x, y) = (length / 2.0, width / 2.0);
+            self.footprint = Some(Outline::PolygonM(vec![[x, y], [-x, y], [-x, -y], [x, -y]]));
+        }
+        if self.leaves_out(KindFigure::Payload) {
+            self.payload_kg = sheet.payload_kg.filter(|kg| kg.is_finite() && *kg > 0.0);
+        }
+    }
+
     pub(crate) fn kind(self, name: String, of: &str) -> Result<RobotKind, SiteError> {
         let kinematics = self.kinematics(of)?;
         let charging = self.battery.charging(&format!("{of}.battery"))?;

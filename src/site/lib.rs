@@ -8,6 +8,7 @@ mod check;
 mod file;
 mod frame;
 mod kinds;
+mod open_kind;
 mod robots;
 mod vda5050;
 pub mod words;
@@ -15,6 +16,7 @@ pub mod words;
 pub use check::{SiteError, check};
 pub use frame::MapFrame;
 pub use kinds::{KindFigures, NamedKind, read_kind, read_kinds};
+pub use open_kind::{FigureOrigin, KindFigure, OpenKind};
 pub use robots::{BrokerSettings, RobotsFile, RobotsFileError};
 pub use vda5050::{
     ActionForm, InstantKey, LinkFigures, ListedRobot, MQTT_LINK, MqttLink, MqttVersion, RepeatRule,

@@ -7,6 +7,7 @@
 use crate::Site;
 use crate::check::{SiteError, check};
 use crate::kinds::{KindFigures, limited_as_linked};
+use crate::open_kind::{KindFigure, OpenKind};
 use crate::vda5050::{
     LinkFigures, ListedRobot, ListedRobotFile, MqttLink, MqttLinkFile, RobotLinkSettings, interface_fault,
     read_robot,
@@ -29,8 +30,10 @@ const KEYS: [&str; 5] = ["giveway_robots", "interface", "map_id", "kinds", "robo
 pub struct RobotsFile {
     /// The first level or levels of all topics, if the file names them.
     pub interface: Option<String>,
-    /// The kinds, in the order of their names.
+    /// The kinds of which the file says all figures, in the order of their names.
     pub kinds: Vec<RobotKind>,
+    /// The other kinds.
+    pub open: Vec<OpenKind>,
     /// What is set for the robots of each kind, by the kind's name.
     pub settings: BTreeMap<String, RobotLinkSettings>,
     /// The robots.
@@ -74,6 +77,12 @@ struct LinkedKindFile {
     link: LinkFigures,
 }
 
+/// A kind as far as the file says it.
+enum KindInFile {
+    Whole(Box<RobotKind>),
+    Open(Box<OpenKind>),
+}
+
 /// A file while it is read.
 struct RobotsReader<'f> {
     floor: Option<(&'f Site, &'f Arc<Warehouse>)>,
@@ -102,6 +111,7 @@ impl RobotsFile {
             file: RobotsFile {
                 interface: None,
                 kinds: Vec::new(),
+                open: Vec::new(),
                 settings: BTreeMap::new(),
                 robots: Vec::new(),
             },
@@ -136,7 +146,10 @@ impl RobotsReader<'_> {
                 Ok((kind, settings)) => {
                     self.known.insert(name.clone(), settings.clone());
                     self.file.settings.insert(name, settings);
-                    self.file.kinds.push(kind);
+                    match kind {
+                        KindInFile::Whole(kind) => self.file.kinds.push(*kind),
+                        KindInFile::Open(kind) => self.file.open.push(*kind),
+                    }
                 }
                 Err(faults) => self.faults.extend(faults),
             }
@@ -170,7 +183,7 @@ impl RobotsReader<'_> {
         }
     }
 
-    fn kind(&self, name: &str, value: Value) -> Result<(RobotKind, RobotLinkSettings), Vec<String>> {
+    fn kind(&self, name: &str, value: Value) -> Result<(KindInFile, RobotLinkSettings), Vec<String>> {
         let mut faults = Vec::new();
         if let Some(fault) = name_fault(name, 50) {
             faults.push(format!("kinds: the name {name:?}: {fault}"));
@@ -187,14 +200,17 @@ impl RobotsReader<'_> {
         };
         let link = link.read(&format!("kinds.{name}.link"), self.map_id.as_deref());
         limited_as_linked(&mut fleet, link.as_ref().map_or(0, |link| link.horizon_nodes));
-        let kind = fleet.kind(name.to_owned(), &format!("kinds.{name}.fleet"));
+        let is_open = KindFigure::ALL.iter().any(|figure| fleet.leaves_out(*figure));
+        let open = OpenKind { name: name.to_owned(), figures: fleet };
+        let kind = open.filled(None);
         if let (Ok(kind), Some((_, map))) = (&kind, self.floor)
             && let Err(findings) = fitted(map, std::slice::from_ref(kind))
         {
             faults.push(format!("kinds.{name}: the map is not for these robots:\n{findings}"));
         }
         match (kind, link) {
-            (Ok(kind), Ok(link)) if faults.is_empty() => Ok((kind, link)),
+            (Ok(_), Ok(link)) if faults.is_empty() && is_open => Ok((KindInFile::Open(Box::new(open)), link)),
+            (Ok(kind), Ok(link)) if faults.is_empty() => Ok((KindInFile::Whole(Box::new(kind)), link)),
             (kind, link) => {
                 faults.extend(kind.err().into_iter().chain(link.err()).map(|e| e.to_string()));
                 Err(faults)
@@ -239,6 +255,7 @@ impl Site {
                 link.interface = interface;
             }
             link.kinds.extend(file.settings);
+            link.open.extend(file.open);
             link.robots.extend(file.robots);
             self.kinds.extend(file.kinds);
         }

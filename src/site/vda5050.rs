@@ -5,6 +5,7 @@
 
 use crate::check::{SiteError, check};
 use crate::frame::MapFrame;
+use crate::open_kind::OpenKind;
 use giveway_floor::geometry::Vector;
 use giveway_floor::text::name_fault;
 use giveway_vda5050::{Address, BlockingType, Parameter, Version};
@@ -34,6 +35,8 @@ pub struct MqttLink {
     pub qos: u8,
     /// What is set for the robots of each kind, by the kind's name.
     pub kinds: BTreeMap<String, RobotLinkSettings>,
+    /// The kinds that are known only once a robot of them is heard.
+    pub open: Vec<OpenKind>,
     /// The robots.
     pub robots: Vec<ListedRobot>,
 }
@@ -317,7 +320,8 @@ impl MqttLinkFile {
             return Err(wrong("`interface` and `prefix` are levels of a topic, without + # $ and blanks"));
         }
         let MqttLinkFile { url, ca, user, qos, .. } = self;
-        Ok(MqttLink { url, ca, identity, user, interface, mqtt, qos, kinds, robots })
+        let open = Vec::new();
+        Ok(MqttLink { url, ca, identity, user, interface, mqtt, qos, kinds, open, robots })
     }
 }
 

@@ -53,6 +53,7 @@ const linked = (id: string, more: Partial<LinkedRobot> = {}): LinkedRobot => ({
   noticed: [],
   false_claims: 0,
   longest_base_m: 4,
+  figures: [],
   contradictions: [],
   ...more,
 });
@@ -178,6 +179,17 @@ describe('the card of a robot of another vendor', () => {
     await expect.poll(() => sent(put)).toHaveLength(1);
     await expect.poll(() => notices.notice?.words ?? '').toContain('tug-1');
     expect(notices.notice?.undo).toBeNull();
+  });
+  test("says where each figure of the robot's kind comes from", async () => {
+    const figures = [
+      { figure: 'speed', value: '1.2 m/s', origin: 'file' },
+      { figure: 'outline', value: '0.9 × 0.5 m', origin: 'factsheet' },
+      { figure: 'payload', value: '-', origin: 'default' },
+    ] as const;
+    const { text } = card(linked('tug-1', { figures: [...figures] }));
+    await expect.poll(text).toContain('Speed 1.2 m/s from its file');
+    expect(text()).toContain('Outline 0.9 × 0.5 m from its factsheet');
+    expect(text()).toContain('Payload - assumed');
   });
   test('says that a robot was looked after where an action failed, and tells what the server refuses', async () => {
     const { button, text, sent } = card(linked('tug-1', { failed: 'pick: no load found', needs_care: true }));

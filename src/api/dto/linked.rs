@@ -3,7 +3,7 @@
 //! Main types: [`LinkedRobotDto`], [`UnlistedRobotDto`]. Refuses: to judge what a robot says.
 
 use crate::port::linked::{
-    ActionFate, LinkedRobot, NoticedOfRobot, SaidError, SaidMessage, SaidState, UnlistedRobot,
+    ActionFate, FigureRow, LinkedRobot, NoticedOfRobot, SaidError, SaidMessage, SaidState, UnlistedRobot,
 };
 use crate::wire::text::time_text;
 use serde::Serialize;
@@ -50,8 +50,25 @@ pub struct LinkedRobotDto {
     /// How far the robot is released at most, metres.
     #[schema(example = 4.0)]
     pub longest_base_m: f64,
+    /// The figures of the robot's kind, once the kind is known: what its file leaves out comes from the factsheet of the
+    /// first robot of the kind, then from defaults.
+    pub figures: Vec<FigureDto>,
     /// Where the robot's factsheet promises less than its kind.
     pub contradictions: Vec<String>,
+}
+
+/// A figure of a kind.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct FigureDto {
+    /// `speed`, `acceleration`, `outline` or `payload`.
+    #[schema(example = "speed")]
+    pub figure: &'static str,
+    /// Its value with its unit; `-` if the map's outline, or any load, holds.
+    #[schema(example = "1.2 m/s")]
+    pub value: String,
+    /// Where it comes from: `file`, `factsheet` or `default`.
+    #[schema(example = "factsheet")]
+    pub origin: &'static str,
 }
 
 /// What a robot says in its last state.
@@ -156,6 +173,12 @@ pub struct ActionFateDto {
     pub result: Option<String>,
 }
 
+impl From<FigureRow> for FigureDto {
+    fn from(FigureRow { figure, value, origin }: FigureRow) -> FigureDto {
+        FigureDto { figure, value, origin }
+    }
+}
+
 impl From<LinkedRobot> for LinkedRobotDto {
     fn from(of: LinkedRobot) -> LinkedRobotDto {
         LinkedRobotDto {
@@ -174,6 +197,7 @@ impl From<LinkedRobot> for LinkedRobotDto {
             noticed: of.noticed.into_iter().map(NoticedDto::from).collect(),
             false_claims: of.trust.false_claims,
             longest_base_m: of.trust.longest_base_m,
+            figures: of.figures.into_iter().map(FigureDto::from).collect(),
             contradictions: of.contradictions,
         }
     }

@@ -102,8 +102,21 @@ pub struct LinkedRobot {
     pub noticed: Vec<NoticedOfRobot>,
     /// What trust is left, and why.
     pub trust: RobotTrust,
+    /// The figures of its kind, once that is known.
+    pub figures: Vec<FigureRow>,
     /// Differences between what is set for its kind and what it says of itself.
     pub contradictions: Vec<String>,
+}
+
+/// A figure of a kind, and where it comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FigureRow {
+    /// The word for the figure.
+    pub figure: &'static str,
+    /// Its value with its unit.
+    pub value: String,
+    /// The word for where it comes from.
+    pub origin: &'static str,
 }
 
 /// What a robot says in its last state.

@@ -7,7 +7,7 @@ use super::pause::{START_PAUSE, STOP_PAUSE};
 use super::session::{AskedAction, RobotSession};
 use giveway_floor::geometry::{Point, to_mm};
 use giveway_floor::time::{Span, Time};
-use giveway_vda5050::{ActionStatus, ConnectionState, OperatingMode};
+use giveway_vda5050::{ActionStatus, ConnectionState, Factsheet, OperatingMode};
 use std::fmt;
 
 /// A state is asked for if none came for this long.
@@ -163,13 +163,22 @@ impl RobotSession {
         }
     }
 
-    /// Asks a robot that obeys once what it can do: some do not say it by themselves.
-    pub(super) fn ask_for_factsheet(&mut self) {
-        if self.has_proven() && self.factsheet.is_none() && !self.factsheet_asked {
-            self.factsheet_asked = true;
+    /// Asks a robot once what it can do: some do not say it by themselves.
+    pub(super) fn ask_for_factsheet(&mut self, now: Time) {
+        let is_there = self.state.is_some() && self.unreachable(now).is_none();
+        if is_there && self.factsheet.is_none() && self.factsheet_asked.is_none() {
+            self.factsheet_asked = Some(now);
             let id = self.new_id();
             self.instant("factsheetRequest", &id, Vec::new());
         }
+    }
+
+    /// What the robot says of itself, with nothing if it was asked and says nothing; no answer while it may still say
+    /// something.
+    pub fn answered_factsheet(&self, now: Time) -> Option<Option<&Factsheet>> {
+        const ANSWERS: Span = Span::from_secs(3);
+        let is_late = self.factsheet_asked.is_some_and(|asked| now - asked >= ANSWERS);
+        (self.factsheet.is_some() || is_late).then_some(self.factsheet.as_deref())
     }
 
     /// Asks for a state now.

@@ -140,8 +140,8 @@ pub struct RobotSession {
     pub(super) connection: Option<ConnectionState>,
     pub(super) other_version: Option<String>,
     pub(super) factsheet: Option<Box<Factsheet>>,
-    /// Whether the robot was asked what it can do.
-    pub(super) factsheet_asked: bool,
+    /// When the robot was asked what it can do.
+    pub(super) factsheet_asked: Option<Time>,
     /// When the robot was last told to forget instant actions that are over.
     pub(super) cleared: Option<Time>,
     /// When the last order or update was sent.
@@ -204,7 +204,7 @@ impl RobotSession {
             connection: None,
             other_version: None,
             factsheet: None,
-            factsheet_asked: false,
+            factsheet_asked: None,
             cleared: None,
             ordered: None,
             state: None,
@@ -368,7 +368,7 @@ impl RobotSession {
         self.ask_for_state(now);
         self.mind_pause(now);
         self.prove_obedience(now);
-        self.ask_for_factsheet();
+        self.ask_for_factsheet(now);
         if !self.mind_cancel(now) && self.not_ready(now).is_none() {
             self.note_arrival(now);
             if !self.mind_charge(now) {

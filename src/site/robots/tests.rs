@@ -26,8 +26,10 @@ fn one_map_id_is_short_for_the_maps_of_all_kinds_and_a_kind_may_say_nothing_else
         assert_eq!(file.settings[kind].maps, std::slice::from_ref(&frame), "{kind}");
     }
     assert_eq!((file.settings["tug"].longest_base_m, file.settings["cart"].longest_base_m), (3.0, 4.0));
-    let can = file.kinds.iter().map(|kind| kind.capabilities.limits);
-    assert!(can.into_iter().all(|limits| limits == giveway_fleet::ObeyedLimits::Stops));
+    let limits = |kind: &OpenKind| kind.filled(None).expect("a kind").capabilities.limits;
+    assert!(
+        file.open.len() == 2 && file.open.iter().all(|k| limits(k) == giveway_fleet::ObeyedLimits::Stops)
+    );
     let [first, second] = &file.robots[..] else { panic!("two robots: {:?}", file.robots) };
     assert_eq!((first.version, second.version), (Some(Version::V2_1), None));
     assert_eq!(file.interface.as_deref(), Some("hall/uagv"));
@@ -41,7 +43,12 @@ fn robots_of_a_file_drive_beside_those_of_the_floor() {
     let mqtt = site.links.mqtt.as_ref().expect("a link");
     assert_eq!((mqtt.interface.as_str(), mqtt.robots.len(), mqtt.kinds.len()), ("hall/uagv", 2, 2));
     let kinds: Vec<&str> = site.kinds.iter().map(|kind| kind.name.as_str()).collect();
-    assert_eq!(kinds, ["robot", "cart", "tug"], "the floor's own kind comes first");
+    assert_eq!(kinds, ["robot"], "the others wait for what their robots say of themselves");
+    assert_eq!(mqtt.open.iter().map(|kind| kind.name.as_str()).collect::<Vec<_>>(), ["cart", "tug"]);
+    let whole = r#"{"giveway_robots": 1, "kinds": {"cart": {"fleet": {"speed_mps": 1, "accel_unloaded_mps2": 1,
+        "footprint": {"circle_m": 0.3}, "payload_kg": 50}, "link": {"maps": {"lab": {}}}}}, "robots": []}"#;
+    let file = RobotsFile::parse(whole, None).expect("a file");
+    assert_eq!((file.kinds[0].name.as_str(), file.open.len()), ("cart", 0));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 // Robots of other vendors: the standard's words as people read them, what an action needs, how messages are listed.
 // Pure.
-import type { NewAction, SaidMessage, UnlistedRobot } from '../wire';
+import type { KindFigure, NewAction, SaidMessage, UnlistedRobot } from '../wire';
 import { t, wordsBy } from '../words';
 
 /** The link of robots that speak VDA 5050. */
@@ -26,6 +26,17 @@ const LEVELS: Readonly<Record<string, string>> = wordsBy({
   URGENT: 'linked.level.urgent',
   CRITICAL: 'linked.level.critical',
   FATAL: 'linked.level.fatal',
+});
+export const FIGURE_WORDS = wordsBy<KindFigure['figure']>({
+  speed: 'linked.figure.speed',
+  acceleration: 'linked.figure.acceleration',
+  outline: 'linked.figure.outline',
+  payload: 'linked.figure.payload',
+});
+export const ORIGIN_WORDS = wordsBy<KindFigure['origin']>({
+  file: 'linked.origin.file',
+  factsheet: 'linked.origin.factsheet',
+  default: 'linked.origin.default',
 });
 const STATUSES: Readonly<Record<string, string>> = wordsBy({
   SENT: 'linked.status.sent',

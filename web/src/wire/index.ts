@@ -5,6 +5,7 @@ export * from './sentence';
 export * from './robots';
 export type {
   ActionFate,
+  KindFigure,
   LinkedApi,
   LinkedRobot,
   NewAction,

@@ -28,8 +28,16 @@ export interface LinkedRobot {
   false_claims: number;
   /** How far it is released at most. */
   longest_base_m: number;
+  /** The figures of its kind; none until the kind is known. */
+  figures: KindFigure[];
   /** Where its factsheet promises less than its kind. */
   contradictions: string[];
+}
+export interface KindFigure {
+  figure: 'speed' | 'acceleration' | 'outline' | 'payload';
+  /** With its unit; `-` if any value will do. */
+  value: string;
+  origin: 'file' | 'factsheet' | 'default';
 }
 /** What a robot said in its last state. */
 export interface SaidState {

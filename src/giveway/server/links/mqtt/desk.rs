@@ -2,19 +2,18 @@
 //!
 //! Main function: [`MqttRobots::answer`]. Refuses: to answer for robots that nobody listed.
 
+use super::kinds::{OpenKinds, contradictions};
 use super::robot::RobotHere;
 use super::{MqttRobots, UNLISTED};
 use giveway_api::{
     ActionFate, LinkQuestion, LinkedRobot, NewLinked, NotDone, OperatorAction, RobotTrust, SaidError,
     SaidState, UnlistedRobot,
 };
-use giveway_fleet::{Fleet, RobotKind};
-use giveway_floor::geometry::Point;
+use giveway_fleet::Fleet;
 use giveway_floor::time::Time;
-use giveway_floor::warehouse::Footprint;
 use giveway_links::vda5050::{INIT_POSITION, NotReady};
 use giveway_site::ListedRobot;
-use giveway_vda5050::{Address, Factsheet, Parameter, State, Version};
+use giveway_vda5050::{Address, Parameter, State, Version};
 
 /// Questions answered in one turn.
 const AT_ONCE: usize = 16;
@@ -31,11 +30,11 @@ impl MqttRobots {
     fn answer_one(&mut self, now: Time, fleet: &Fleet, question: LinkQuestion) {
         match question {
             LinkQuestion::Robot(name, reply) => {
-                let _ = reply.send(self.named(&name).map(|here| row(here, now, fleet)));
+                let _ = reply.send(self.named(&name).map(|here| row(here, &self.kinds, now, fleet)));
             }
             LinkQuestion::Waiting(reply) => {
                 let waiting = self.robots.values().filter(|here| here.number.is_none());
-                let _ = reply.send(waiting.map(|here| row(here, now, fleet)).collect());
+                let _ = reply.send(waiting.map(|here| row(here, &self.kinds, now, fleet)).collect());
             }
             LinkQuestion::Unlisted(reply) => {
                 let _ = reply.send(self.unlisted.values().cloned().collect());
@@ -134,7 +133,7 @@ impl MqttRobots {
         if self.robots.len() >= most && self.named(&new.name).is_none() {
             return refused(format!("{most} robots are listed, which is the site's limit"));
         }
-        if fleet.ledger().kinds().named(&new.kind).is_none() {
+        if fleet.ledger().kinds().named(&new.kind).is_none() && !self.kinds.has(&new.kind) {
             return refused(format!("there is no kind {}: GET /v1/kinds lists the kinds", new.kind));
         }
         let listed = ListedRobot { name: new.name, address, kind: new.kind, version };
@@ -194,7 +193,7 @@ fn fate(here: &RobotHere, id: &str) -> Option<ActionFate> {
 }
 
 /// What is known of a robot.
-fn row(here: &RobotHere, now: Time, fleet: &Fleet) -> LinkedRobot {
+fn row(here: &RobotHere, kinds: &OpenKinds, now: Time, fleet: &Fleet) -> LinkedRobot {
     let RobotHere { listed, session, .. } = here;
     let why = session.not_ready(now);
     let needs_care = session.failure().is_some() || matches!(why, Some(NotReady::Rejects(_)));
@@ -202,6 +201,7 @@ fn row(here: &RobotHere, now: Time, fleet: &Fleet) -> LinkedRobot {
     let left = here.has_left(fleet.ledger()).then(|| left.to_owned());
     let kind = fleet.ledger().kinds().named(&listed.kind);
     let differences = |sheet| kind.map(|kind| contradictions(kind, sheet)).unwrap_or_default();
+    let waits = if kind.is_none() { Some(kinds.why_not(&listed.kind)) } else { None };
     LinkedRobot {
         listed: NewLinked {
             name: listed.name.clone(),
@@ -213,7 +213,7 @@ fn row(here: &RobotHere, now: Time, fleet: &Fleet) -> LinkedRobot {
         version: session.version().text().to_owned(),
         joined: here.number.is_some(),
         needs_consent: matches!(why, Some(NotReady::NoPause(_))),
-        not_ready: left.or(why.map(|why| why.to_string())),
+        not_ready: left.or(waits).or(why.map(|why| why.to_string())),
         failed: session.failure().map(str::to_owned),
         needs_care,
         order: session.order_text(),
@@ -223,6 +223,7 @@ fn row(here: &RobotHere, now: Time, fleet: &Fleet) -> LinkedRobot {
             false_claims: session.false_claims() as usize,
             longest_base_m: session.longest_base_m(),
         },
+        figures: kind.map(|kind| kinds.figures(kind)).unwrap_or_default(),
         contradictions: session.factsheet().map(differences).unwrap_or_default(),
     }
 }
@@ -249,52 +250,4 @@ fn said(at: Time, state: &State) -> SaidState {
             .collect(),
         wants_base: state.wants_base,
     }
-}
-
-/// The length and the width of a footprint, metres.
-fn extent_m(of: &Footprint) -> [f64; 2] {
-    match of {
-        Footprint::Square { side_m } => [*side_m; 2],
-        Footprint::Circle { radius_m } => [2.0 * radius_m; 2],
-        Footprint::Polygon { corners, .. } => {
-            let side = |along: fn(&Point) -> f64| {
-                let all = corners.iter().map(along);
-                all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
-            };
-            [side(|at| at.x), side(|at| at.y)]
-        }
-    }
-}
-
-/// Where a factsheet promises less than the kind.
-fn contradictions(kind: &RobotKind, sheet: &Factsheet) -> Vec<String> {
-    let motion = &kind.kinematics;
-    let size = kind.footprints[0].as_ref().map(extent_m);
-    let most = |says: Option<f64>, has: f64, what: &str, unit: &str| {
-        let says = says.filter(|says| *says + 1e-6 < has && *says > 0.0)?;
-        Some(format!("{what}: the kind has {has} {unit}, the robot says that it can do {says} {unit}"))
-    };
-    let larger = |says: Option<f64>, has: Option<f64>, what: &str| {
-        let (says, has) = (says?, has?);
-        (says > has + 1e-3).then(|| format!("{what}: the kind has {has} m, the robot says {says} m"))
-    };
-    let mut all: Vec<String> = [
-        most(sheet.speed_mps, motion.speed_mps.max(motion.speed_loaded_mps), "speed", "m/s"),
-        most(
-            sheet.accel_mps2,
-            motion.accel_unloaded_mps2.max(motion.accel_loaded_mps2),
-            "acceleration",
-            "m/s²",
-        ),
-        most(sheet.brake_mps2, motion.accel_unloaded_mps2.max(motion.accel_loaded_mps2), "braking", "m/s²"),
-        larger(sheet.length_m, size.map(|size| size[0]), "length"),
-        larger(sheet.width_m, size.map(|size| size[1]), "width"),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    if kind.payload_kg.is_finite() {
-        all.extend(most(sheet.payload_kg, kind.payload_kg, "payload", "kg"));
-    }
-    all
 }

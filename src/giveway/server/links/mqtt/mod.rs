@@ -5,6 +5,7 @@
 //! than its topic.
 
 mod desk;
+mod kinds;
 mod robot;
 
 use crate::mqtt::broker::PASSWORD;
@@ -22,6 +23,7 @@ use giveway_floor::warehouse::Warehouse;
 use giveway_links::vda5050::{MessageStamp, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart};
 use giveway_site::{ListedRobot, MQTT_LINK, MqttLink};
 use giveway_vda5050::{Address, Header, Message, Read, TopicKind, Version, read};
+use kinds::{ADDS_KIND, OpenKinds};
 use robot::RobotHere;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -72,6 +74,7 @@ pub struct MqttRobots {
     desk: mpsc::Sender<LinkQuestion>,
     questions: mpsc::Receiver<LinkQuestion>,
     numbers: BTreeMap<RobotId, Address>,
+    kinds: OpenKinds,
     inputs: Vec<Input>,
     alarms: Vec<DriveAlarm>,
     /// Whether an alarm about claims is raised, and when one was noticed last.
@@ -133,6 +136,7 @@ impl MqttRobots {
             desk,
             questions,
             numbers: BTreeMap::new(),
+            kinds: OpenKinds::new(link.open.clone()),
             state: BrokerState::Begins,
             inputs: Vec::new(),
             alarms: Vec::new(),
@@ -181,6 +185,7 @@ impl MqttRobots {
         if self.numbers.len() < self.robots.len() {
             let addresses: Vec<Address> = self.robots.keys().cloned().collect();
             addresses.iter().for_each(|address| self.ask_to_join(now, address, fleet));
+            self.inputs.extend(self.kinds.next(now, fleet, self.robots.values()));
         }
         self.answer(now, fleet);
         self.mind_claims(now);
@@ -205,8 +210,10 @@ impl MqttRobots {
     /// Passes commands of the fleet on to the robots.
     pub fn take(&mut self, now: Time, out: LinkOutput<'_>) {
         for reply in out.replies {
-            if let Reply { token: JOINS, answer: Err(why) } = reply {
-                tracing::warn!(?why, "a robot cannot join");
+            match reply {
+                Reply { token: JOINS, answer: Err(why) } => tracing::warn!(?why, "a robot cannot join"),
+                Reply { token: ADDS_KIND, answer } => self.kinds.answer(answer.as_ref().map(drop)),
+                Reply { .. } => {}
             }
         }
         for (robot, command) in out.limits.iter().chain(out.orders) {
