@@ -50,8 +50,8 @@ pub struct LinkedRobotDto {
     /// How far the robot is released at most, metres.
     #[schema(example = 4.0)]
     pub longest_base_m: f64,
-    /// The figures of the robot's kind, once the kind is known: what its file leaves out comes from the factsheet of the
-    /// first robot of the kind, then from defaults.
+    /// The figures of the robot's kind, once the kind is known: what its file leaves out comes from the factsheet of
+    /// the first robot of the kind, then from defaults.
     pub figures: Vec<FigureDto>,
     /// Where the robot's factsheet promises less than its kind.
     pub contradictions: Vec<String>,

@@ -420,8 +420,8 @@ impl LinkFloor {
 }
 
 impl OrderWatch {
-    /// Checks that an order or update is stitched rightly, and takes what it releases. `has` is the last sequence number
-    /// that the robot was released to, if it has the order.
+    /// Checks that an order or update is stitched rightly, and takes what it releases. `has` is the last sequence
+    /// number that the robot was released to, if it has the order.
     fn see(&mut self, order: &Order, has: Option<u32>) {
         assert!(order.nodes.windows(2).all(|pair| pair[0].sequence + 2 == pair[1].sequence), "{order:?}");
         assert!(order.nodes.windows(2).all(|pair| pair[0].released || !pair[1].released), "{order:?}");
