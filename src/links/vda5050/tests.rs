@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 mod complaints;
 mod drawn;
+mod fuzz;
 mod lies;
 mod losses;
 mod people;
@@ -466,16 +467,19 @@ impl OrderWatch {
     }
 }
 
-/// A message as it travels: written by one side, read by the other.
-fn travel(kind: TopicKind, message: &Message, version: Version) -> Message {
-    let header = Header {
+fn header(version: Version) -> Header {
+    Header {
         id: 1,
         timestamp: "2026-11-30T12:00:00.000Z".into(),
         version: version.text().into(),
         manufacturer: "maker".into(),
         serial: "r".into(),
-    };
-    let text = write(&header, message, version).to_string();
+    }
+}
+
+/// A message as it travels: written by one side, read by the other.
+fn travel(kind: TopicKind, message: &Message, version: Version) -> Message {
+    let text = write(&header(version), message, version).to_string();
     let said = read(kind, text.as_bytes()).expect("what is written can be read");
     assert_eq!(said.oddities, [], "{text}");
     said.message
