@@ -179,7 +179,7 @@ impl RobotSession {
         let Some(wanted) = self.wanted.clone() else { return };
         self.take_up(now, &wanted);
         let Some(progress) = &self.progress else { return };
-        let waits = now < self.rests_until.max(self.next_order()) || self.might_set_off();
+        let waits = now < self.rests_until.max(self.next_order()) || self.might_set_off(now);
         if progress.failed.is_some() || waits || !self.knows_what_was_ordered() {
             return;
         }

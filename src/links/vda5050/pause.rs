@@ -18,13 +18,19 @@ const BRAKES: Span = Span::from_secs(4);
 const TIMES: u32 = 10;
 /// A robot that was told so often to go on is told after this only.
 const PATIENCE: Span = Span::from_secs(5);
+/// A robot goes on once nobody has wanted it to stand for this long: robots that are told to stand and to go on several
+/// times a second carry these out late and in another order.
+const HOLDS: Span = Span::from_secs(1);
 
 /// Whether the robot is to stand, and how far it is with that.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct PauseLife {
-    /// Whether the fleet wants the robot to stand.
+    /// Whether the fleet wants the robot to stand, and when it wanted that last.
     pub wanted: bool,
+    pub wanted_at: Option<Time>,
     pub stage: PauseState,
+    /// When the robot listed a pause of ours last that it had not carried out.
+    pub pending: Option<Time>,
     /// Since when the robot says that it is paused, and when a pause was told last.
     pub since: Option<Time>,
     pub told: Option<Time>,
@@ -61,12 +67,15 @@ impl RobotSession {
     }
 
     /// Whether a pause of the robot is ours although we do not want it any more: it was heard of just after we had told
-    /// one, or the last that the robot lists is that we told one, in this process or an earlier one. Some robots read
-    /// what they are told long after it was said.
+    /// one, or just after the robot listed one that it had still to carry out, or the last that it lists is that we told
+    /// one, in this process or an earlier one. Some robots read what they are told long after it was said.
     fn is_own_pause(&self) -> bool {
         const JUST: Span = Span::from_secs(3);
+        const SETTLES: Span = Span::from_secs(1);
         let Some(since) = self.pause.since else { return false };
-        self.pause.told.is_some_and(|told| since - told <= JUST) || self.lists_pause_last()
+        self.pause.told.is_some_and(|told| since - told <= JUST)
+            || self.pause.pending.is_some_and(|pending| since - pending <= SETTLES)
+            || self.lists_pause_last()
     }
 
     /// Whether the last that the robot lists of pauses that it was told is that one began.
@@ -82,6 +91,16 @@ impl RobotSession {
     /// Notes in a state since when the robot is paused.
     pub(super) fn note_paused(&mut self, now: Time) {
         self.pause.since = if self.says_paused() { self.pause.since.or(Some(now)) } else { None };
+        let is_pending = |a: &ActionState| {
+            a.kind.as_deref() == Some(START_PAUSE) && a.id.starts_with("gw-") && !a.status.is_over()
+        };
+        if self
+            .state
+            .as_ref()
+            .is_some_and(|(_, state)| state.actions.iter().chain(&state.instant_actions).any(is_pending))
+        {
+            self.pause.pending = Some(now);
+        }
     }
 
     /// Tells the robot to stand or to go on, as the fleet wants, until it does.
@@ -89,7 +108,10 @@ impl RobotSession {
         if self.unreachable(now).is_some() {
             return;
         }
-        match (self.pause.wanted, self.pause.stage.clone()) {
+        if self.pause.wanted {
+            self.pause.wanted_at = Some(now);
+        }
+        match (self.is_pause_wanted(now), self.pause.stage.clone()) {
             (true, PauseState::Drives | PauseState::GoesOn(_)) => {
                 self.pause.stage = PauseState::Stops(self.ask(now, START_PAUSE));
             }
@@ -118,14 +140,19 @@ impl RobotSession {
         }
     }
 
+    /// Whether the robot is to stand, or was a moment ago.
+    fn is_pause_wanted(&self, now: Time) -> bool {
+        self.pause.wanted || self.pause.wanted_at.is_some_and(|last| now - last < HOLDS)
+    }
+
     /// Whether a later state says that the robot is not paused.
     fn says_unpaused_since(&self, since: Time) -> bool {
         self.state.as_ref().is_some_and(|(at, state)| *at > since && state.paused == Some(false))
     }
 
     /// Whether an order sent now could set the robot off although it is to stand.
-    pub(super) fn might_set_off(&self) -> bool {
-        self.pause.wanted && !self.says_paused() && self.pauses()
+    pub(super) fn might_set_off(&self, now: Time) -> bool {
+        self.is_pause_wanted(now) && !self.says_paused() && self.pauses()
     }
 
     /// Whether the robot is paused, as it says; of one that never says it, as the actions tell that it lists.

@@ -2,6 +2,7 @@
 
 use super::*;
 use giveway_fleet::{Command, FloorAction};
+use giveway_vda5050::ActionStatus;
 
 #[test]
 fn a_stop_is_a_pause_in_the_same_turn_and_ends_with_one() {
@@ -53,4 +54,58 @@ fn a_robot_whose_pause_ends_with_its_cancelled_order_is_paused_again_before_it_g
     let next = since.iter().find(|kind| ["order", "startPause"].contains(kind));
     assert_eq!(next, Some(&"startPause"), "{since:?}");
     assert!(floor.pairs[0].session.says_paused() && floor.pairs[0].speed_mps() < 0.01);
+}
+
+/// How often a robot was told something since a time.
+fn count(floor: &LinkFloor, since: Time, kind: &str) -> usize {
+    let told = floor.pairs[0].told.iter().filter(|(at, ..)| *at >= since);
+    told.filter(|(.., m)| matches!(m, Message::InstantActions(a) if a[0].kind == kind)).count()
+}
+
+#[test]
+fn a_robot_that_is_to_stand_and_to_go_on_by_turns_is_not_told_so_several_times_a_second() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_0)]);
+    floor.all_ready();
+    floor.submit_deliveries(1);
+    floor.until(30, "it drives", |f| f.pairs[0].speed_mps() > 0.5);
+    let begun = floor.now;
+    for turn in 0..100 {
+        let limit = Command::Limit((turn % 2 == 0).then_some(0.0));
+        let out = floor.pairs[0].session.command(floor.now, &limit);
+        floor.take(0, out, &mut Vec::new());
+        floor.hear(0, &mut Vec::new());
+        floor.now += PERIOD;
+    }
+    assert_eq!((count(&floor, begun, "startPause"), count(&floor, begun, "stopPause")), (1, 0));
+    floor.run(30);
+    assert!(count(&floor, begun, "stopPause") >= 1 && floor.pairs[0].session.pause.since.is_none());
+}
+
+/// Robot A listed a pause as PAUSED, went on when told to, and paused after that by what it still had to carry out.
+#[test]
+fn a_pause_that_a_robot_carries_out_after_it_was_told_to_go_on_is_lifted_and_not_taken_for_a_hand() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_0)]);
+    floor.all_ready();
+    floor.run(60);
+    let state = floor.pairs[0].session.state().expect("it was heard").1.clone();
+    let act = |id: &str, kind: &str, status| ActionState {
+        id: id.to_owned(),
+        kind: Some(kind.to_owned()),
+        status,
+        result: None,
+    };
+    let began = floor.now;
+    let says = |floor: &mut LinkFloor, paused: bool, start, n: u32| {
+        let actions =
+            vec![act("gw-1-8", "startPause", start), act("gw-1-9", "stopPause", ActionStatus::Finished)];
+        let said = giveway_vda5050::State { paused: Some(paused), actions, ..state.clone() };
+        let stamp = MessageStamp { id: 9_000 + n, timestamp: format!("{:020}", i64::MAX / 2 + i64::from(n)) };
+        let out = floor.pairs[0].session.hear(floor.now, RobotHeard::State(Box::new(said), stamp));
+        floor.take(0, out, &mut Vec::new());
+        floor.now += PERIOD;
+    };
+    says(&mut floor, false, ActionStatus::Paused, 0);
+    says(&mut floor, true, ActionStatus::Finished, 1);
+    assert_eq!(count(&floor, began, "stopPause"), 1);
+    assert!(!floor.pairs[0].session.is_paused_by_hand());
 }

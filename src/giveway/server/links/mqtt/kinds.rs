@@ -11,6 +11,7 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Footprint;
 use giveway_site::{FigureOrigin, KindFigure, OpenKind};
 use giveway_vda5050::Factsheet;
+use std::collections::BTreeMap;
 
 /// The token of kinds that are to be added.
 pub const ADDS_KIND: Token = Token { asker: Asker(7), number: 1 };
@@ -20,16 +21,16 @@ const ASKS_AGAIN: Span = Span::from_secs(10);
 /// The kinds whose files leave figures out.
 pub struct OpenKinds {
     all: Vec<OpenKind>,
-    /// The one that the fleet was asked to add last, and when.
-    asked: Option<(String, Time)>,
-    /// Why it was not added.
-    refused: Option<String>,
+    /// The one that the fleet was asked to add and has not answered about.
+    asked: Option<String>,
+    /// Those that it did not add: when it was asked, and why.
+    refused: BTreeMap<String, (Time, String)>,
 }
 
 impl OpenKinds {
     /// These kinds, of which no robot was heard yet.
     pub fn new(all: Vec<OpenKind>) -> OpenKinds {
-        OpenKinds { all, asked: None, refused: None }
+        OpenKinds { all, asked: None, refused: BTreeMap::new() }
     }
 
     /// Whether a kind is to be known by a name some day.
@@ -44,46 +45,42 @@ impl OpenKinds {
         fleet: &Fleet,
         mut robots: impl Iterator<Item = &'a RobotHere>,
     ) -> Option<Input> {
-        if self.asked.as_ref().is_some_and(|(_, at)| now - *at < ASKS_AGAIN) {
+        if self.asked.is_some() {
             return None;
         }
         let kinds = fleet.ledger().kinds();
+        let rests = |name: &str| self.refused.get(name).is_some_and(|(at, _)| now - *at < ASKS_AGAIN);
         let open = |here: &RobotHere| self.all.iter().find(|kind| kind.name == here.listed.kind);
         let (open, sheet) = robots.find_map(|here| {
-            let open = open(here).filter(|open| kinds.named(&open.name).is_none())?;
+            let open = open(here).filter(|open| kinds.named(&open.name).is_none() && !rests(&open.name))?;
             Some((open, here.session.answered_factsheet(now)?))
         })?;
         let kind = open.filled(sheet).ok()?;
-        self.asked = Some((open.name.clone(), now));
+        self.asked = Some(open.name.clone());
         Some(Input::ask(ADDS_KIND, FloorAction::PutKind(Box::new(kind))))
     }
 
     /// Takes the fleet's answer to the last request.
-    pub fn answer(&mut self, answer: Result<(), &Refusal>) {
-        self.refused = answer.err().map(|why| match why {
-            Refusal::Kind(KindRefusal::TooLarge) => {
+    pub fn answer(&mut self, now: Time, answer: Result<(), &Refusal>) {
+        let Some(name) = self.asked.take() else { return };
+        let why = match answer {
+            Ok(()) => return,
+            Err(Refusal::Kind(KindRefusal::TooLarge)) => {
                 "it is too large for this floor's map by its factsheet: give its kind a `footprint`"
                     .to_owned()
             }
-            Refusal::Kind(KindRefusal::Clearance) => {
-                "it is too slow for the holds on this floor by its factsheet: give its kind all figures"
-                    .to_owned()
+            Err(Refusal::Kind(KindRefusal::Clearance)) => {
+                "it brakes too slowly for this floor by its factsheet: give its kind its figures".to_owned()
             }
-            other => format!("its kind cannot be added: {other:?}"),
-        });
-        // The next one need not wait.
-        if self.refused.is_none() {
-            self.asked = None;
-        }
+            Err(other) => format!("its kind cannot be added: {other:?}"),
+        };
+        self.refused.insert(name, (now, why));
     }
 
     /// Why a kind is not known yet, in words.
     pub fn why_not(&self, name: &str) -> String {
-        let is_asked = self.asked.as_ref().is_some_and(|(asked, _)| asked == name);
-        match self.refused.as_ref().filter(|_| is_asked) {
-            Some(why) => why.clone(),
-            None => "its kind waits for what it says of itself".to_owned(),
-        }
+        let waits = || "its kind waits for what it says of itself".to_owned();
+        self.refused.get(name).map_or_else(waits, |(_, why)| why.clone())
     }
 
     /// The figures of a kind on the floor, and where each comes from.

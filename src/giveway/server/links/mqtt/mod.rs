@@ -212,7 +212,7 @@ impl MqttRobots {
         for reply in out.replies {
             match reply {
                 Reply { token: JOINS, answer: Err(why) } => tracing::warn!(?why, "a robot cannot join"),
-                Reply { token: ADDS_KIND, answer } => self.kinds.answer(answer.as_ref().map(drop)),
+                Reply { token: ADDS_KIND, answer } => self.kinds.answer(now, answer.as_ref().map(drop)),
                 Reply { .. } => {}
             }
         }
