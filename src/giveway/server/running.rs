@@ -248,8 +248,12 @@ impl RunningCore {
         for task in others.chain([abort]) {
             task.abort();
         }
+        // What was written into files that have no name any more is gone with the process.
+        let in_place = if whole { self.store.check_place() } else { Ok(()) };
         self.store.close().await;
-        flushed
+        let links = flushed?;
+        in_place.context("what was acknowledged may be lost")?;
+        Ok(links)
     }
 }
 
