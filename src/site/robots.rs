@@ -186,7 +186,7 @@ impl RobotsReader<'_> {
             }
         };
         let link = link.read(&format!("kinds.{name}.link"), self.map_id.as_deref());
-        limited_as_linked(&mut fleet, link.as_ref().map_or(0, |link| link.horizon_nodes));
+        limited_as_linked(&mut fleet, link.as_ref().unwrap_or(&RobotLinkSettings::default()));
         let kind = fleet.kind(name.to_owned(), &format!("kinds.{name}.fleet"));
         if let (Ok(kind), Some((_, map))) = (&kind, self.floor)
             && let Err(findings) = fitted(map, std::slice::from_ref(kind))

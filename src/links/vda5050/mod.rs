@@ -10,6 +10,7 @@ mod acts;
 mod cancel;
 mod charge;
 mod contact;
+mod corridor;
 mod motion;
 mod notice;
 mod operator;

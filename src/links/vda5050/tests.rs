@@ -19,10 +19,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 mod complaints;
+mod corridors;
 mod lies;
 mod losses;
 mod people;
 mod presence;
+mod validity;
 
 const PERIOD: Span = Span::from_millis(100);
 const FLOOR: &str = "lab";
@@ -91,6 +93,8 @@ struct LinkFloor {
     delay: Span,
     /// What else happens to messages.
     chance: Chance,
+    /// What is set for the robots' kind.
+    settings: RobotLinkSettings,
 }
 
 /// Faults of the transport, drawn from a seed.
@@ -138,6 +142,11 @@ fn deliver(map: &Warehouse, rack: usize) -> JobRequest {
 
 impl LinkFloor {
     fn new(map: Warehouse, setups: Vec<RobotSetup>) -> LinkFloor {
+        LinkFloor::of_kind(map, setups, settings())
+    }
+
+    /// A floor whose robots are of a kind with these settings.
+    fn of_kind(map: Warehouse, setups: Vec<RobotSetup>, settings: RobotLinkSettings) -> LinkFloor {
         let mut fleet_settings =
             Settings { links: vec!["mqtt".into()], period: PERIOD, ..Settings::default() };
         fleet_settings.site_kinds[0].capabilities = Capabilities {
@@ -146,6 +155,7 @@ impl LinkFloor {
             drives_back: false,
             horizon_nodes: HORIZON,
         };
+        fleet_settings.site_kinds[0].free_navigation = settings.free_navigation;
         let fleet = Fleet::new(Arc::new(map), fleet_settings);
         let mut floor = LinkFloor {
             fleet,
@@ -156,6 +166,7 @@ impl LinkFloor {
             picks: BTreeMap::new(),
             delay: Span::from_millis(100),
             chance: Chance::default(),
+            settings,
         };
         let map = floor.map();
         let places =
@@ -181,7 +192,7 @@ impl LinkFloor {
         setup.position.map = FLOOR.into();
         setup.last_node = place.name.clone();
         setup.serial = format!("r{}", self.pairs.len());
-        let mut settings = settings();
+        let mut settings = self.settings.clone();
         // Robot C says always that it does not know where it is.
         settings.needs_localized = setup.quirks.localized_flag == LocalizedFlag::Reported;
         let session = RobotSession::new(setup.version, settings.clone(), self.map(), self.boot);
@@ -457,7 +468,9 @@ fn travel(kind: TopicKind, message: &Message, version: Version) -> Message {
         manufacturer: "maker".into(),
         serial: "r".into(),
     };
-    let text = write(&header, message, version).to_string();
+    let written = write(&header, message, version);
+    assert_eq!(validity::faults(kind, version, &written), "", "{written}");
+    let text = written.to_string();
     let said = read(kind, text.as_bytes()).expect("what is written can be read");
     assert_eq!(said.oddities, [], "{text}");
     said.message

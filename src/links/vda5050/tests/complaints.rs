@@ -19,7 +19,7 @@ impl LinkFloor {
     }
 
     /// The session with the robot hears this, from whomever.
-    fn says(&mut self, said: RobotHeard) {
+    pub(super) fn says(&mut self, said: RobotHeard) {
         let (out, mut inputs) = (self.pairs[0].session.hear(self.now, said), Vec::new());
         self.take(0, out, &mut inputs);
         self.step(inputs);
