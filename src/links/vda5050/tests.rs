@@ -482,7 +482,7 @@ fn heard(message: Message, stamp: MessageStamp) -> Option<RobotHeard> {
         Message::Visualization(seen) => Some(RobotHeard::Visualization(seen, stamp)),
         Message::Connection(connection) => Some(RobotHeard::Connection(connection)),
         Message::Factsheet(factsheet) => Some(RobotHeard::Factsheet(factsheet)),
-        Message::Order(_) | Message::InstantActions(_) => None,
+        Message::Order(_) | Message::InstantActions(_) | Message::ZoneSet(_) | Message::Responses(_) => None,
     }
 }
 

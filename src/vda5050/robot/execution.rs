@@ -310,6 +310,7 @@ impl VirtualRobot {
             && !self.is_field_violated
             && self.is_localized
             && !self.order.is_stranded
+            && !self.waits_for_release()
             && now_us >= self.order.dwell_until_us
             && !self.actions.iter().any(|entry| entry.blocks_driving())
     }

@@ -17,6 +17,7 @@ mod instant;
 mod link;
 mod quirks;
 mod report;
+mod requests;
 mod setup;
 #[cfg(test)]
 mod tests;
@@ -46,6 +47,7 @@ use execution::{HeldOrder, PauseStage};
 use instant::InstantList;
 use link::LinkStage;
 use report::Reporting;
+use requests::RequestList;
 use std::collections::VecDeque;
 
 /// The protocol side of a robot.
@@ -73,6 +75,7 @@ pub struct VirtualRobot {
     outbox: Vec<RobotMessage>,
     placed: Option<(f64, f64, f64)>,
     reporting: Reporting,
+    requests: RequestList,
 }
 
 /// What a robot carries besides its wheels.
@@ -141,6 +144,7 @@ impl VirtualRobot {
             outbox: Vec::new(),
             placed: None,
             reporting: Reporting::default(),
+            requests: RequestList::default(),
             setup,
         }
     }
@@ -160,6 +164,7 @@ impl VirtualRobot {
         self.pass_nodes(now_us, &body.reached);
         self.use_battery(elapsed_us);
         self.listen(received);
+        self.ask_for_releases(now_us);
         self.work(elapsed_us);
         self.settle_pause();
         self.settle_cancel();

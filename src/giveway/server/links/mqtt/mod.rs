@@ -336,7 +336,9 @@ impl MqttRobots {
             Message::Connection(connection) => Some(RobotHeard::Connection(connection)),
             Message::Visualization(seen) => Some(RobotHeard::Visualization(seen, stamp)),
             Message::Factsheet(factsheet) => Some(RobotHeard::Factsheet(factsheet)),
-            Message::Order(_) | Message::InstantActions(_) => None,
+            Message::Order(_) | Message::InstantActions(_) | Message::ZoneSet(_) | Message::Responses(_) => {
+                None
+            }
         }
     }
 
