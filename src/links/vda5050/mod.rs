@@ -11,6 +11,7 @@ mod cancel;
 mod charge;
 mod contact;
 mod corridor;
+mod lease;
 mod motion;
 mod notice;
 mod operator;

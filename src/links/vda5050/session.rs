@@ -7,6 +7,7 @@
 use super::acts::ActFailure;
 use super::charge::ChargeLife;
 use super::contact::Obedience;
+use super::lease::Leases;
 use super::motion::SeenMotion;
 use super::notice::Notice;
 use super::operator::SentAction;
@@ -159,6 +160,10 @@ pub struct RobotSession {
     pub(super) motion: SeenMotion,
     pub(super) obedience: Obedience,
     pub(super) pause: PauseLife,
+    /// Whether the fleet limits the robot's speed.
+    pub(super) is_limited: bool,
+    /// What the robot was granted that it asked for.
+    pub(super) leases: Leases,
     pub(super) order: OrderLife,
     pub(super) wanted: Option<WantedDrive>,
     pub(super) progress: Option<RobotProgress>,
@@ -214,6 +219,8 @@ impl RobotSession {
             motion: SeenMotion::default(),
             obedience: Obedience::Unproven,
             pause: PauseLife::default(),
+            is_limited: false,
+            leases: Leases::default(),
             order: OrderLife::Idle,
             wanted: None,
             progress: None,
@@ -287,7 +294,9 @@ impl RobotSession {
                         Some(WantedDrive { waypoints: waypoints.clone(), horizon: horizon.clone() });
                 }
             }
-            Command::Limit(limit) => self.pause.wanted = *limit == Some(0.0),
+            Command::Limit(limit) => {
+                (self.is_limited, self.pause.wanted) = (limit.is_some(), *limit == Some(0.0));
+            }
             Command::Revoke { reached, number } => self.revoke(now, *reached, *number),
         }
         self.go_on(now)
@@ -349,7 +358,8 @@ impl RobotSession {
             OrderLife::Idle => "no order".to_owned(),
             OrderLife::Has(leg) => {
                 let taken = if leg.sent == UpdateLife::Taken { "taken" } else { "not taken yet" };
-                format!("{}, update {}, released to visit {}, {taken}", leg.id, leg.update, leg.base)
+                let leaves = if self.leases.held() > 0 { ", may leave its line" } else { "" };
+                format!("{}, update {}, released to visit {}, {taken}{leaves}", leg.id, leg.update, leg.base)
             }
             OrderLife::Cancels { leg, .. } => format!("{} is being cancelled", leg.id),
         }
@@ -364,6 +374,7 @@ impl RobotSession {
         }
         self.ask_for_state(now);
         self.mind_pause(now);
+        self.mind_leases(now);
         self.prove_obedience(now);
         self.ask_for_factsheet();
         if !self.mind_cancel(now) && self.not_ready(now).is_none() {

@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 mod complaints;
 mod corridors;
+mod leases;
 mod lies;
 mod losses;
 mod people;

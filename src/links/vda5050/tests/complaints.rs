@@ -234,7 +234,8 @@ fn an_order_that_is_no_update_always_has_a_new_id() {
     orders.dedup();
     let mut ids: Vec<&String> = orders.iter().filter(|o| o.update == 0).map(|order| &order.id).collect();
     let all = ids.len();
-    (ids.sort(), ids.dedup()).1;
+    ids.sort();
+    ids.dedup();
     assert!(ids.len() == all && all > 8, "{all}");
 }
 
