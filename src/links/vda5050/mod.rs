@@ -20,9 +20,11 @@ mod overtaken;
 mod pause;
 pub mod probe;
 mod report;
+mod retry;
 mod session;
 #[cfg(test)]
 mod tests;
+mod trigger;
 mod trust;
 
 pub use contact::NotReady;

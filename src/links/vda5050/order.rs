@@ -227,6 +227,9 @@ impl RobotSession {
         }
         let Some(end) = self.base_end(&wanted) else { return };
         let (reached, acts) = (progress.reached, self.acts_here(&wanted));
+        if (end > reached || acts) && self.mind_trigger(now) {
+            return;
+        }
         match &self.order {
             OrderLife::Idle if end > reached || acts => self.send_leg(now, &wanted, end),
             OrderLife::Has(leg) if leg.sent != UpdateLife::Taken => self.mind_update(now),

@@ -172,6 +172,8 @@ pub struct RobotSession {
     /// When this session first asked for a state.
     pub(super) first_asked: Option<Time>,
     pub(super) charge: ChargeLife,
+    /// The dismissal of a robot that waits at a work cell.
+    pub(super) trigger: Option<AskedAction>,
     /// The length of the map's shortest lane, metres.
     pub(super) shortest_m: f64,
     pub(super) trust: Trust,
@@ -227,6 +229,7 @@ impl RobotSession {
             adopts: None,
             first_asked: None,
             charge: ChargeLife::Off,
+            trigger: None,
             shortest_m: shortest_m.max(0.05),
             trust: Trust::default(),
             sent: VecDeque::new(),
@@ -382,6 +385,7 @@ impl RobotSession {
             if !self.mind_charge(now) {
                 self.mind_order(now);
             }
+            self.mind_retry(now);
             self.ask_about_act(now);
             self.clear_instants(now);
         }

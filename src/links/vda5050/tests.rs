@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 mod complaints;
 mod corridors;
+mod handling;
 mod leases;
 mod lies;
 mod losses;

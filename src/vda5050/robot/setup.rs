@@ -10,7 +10,7 @@ use super::quirks::{
     PauseHabit, PausedFlag, ReadingHabit, ReconnectHabit, RejectionWords, RepeatedPause, ReportedBase,
     RobotQuirks, StartRule, StateHabit, StitchedActions, UnreadableReply, VelocityFlag, VersionCheck,
 };
-use crate::model::factsheet::Factsheet;
+use crate::model::factsheet::{ActionScope, Factsheet, OfferedAction};
 use crate::model::state::Position;
 use crate::version::Version;
 use std::collections::BTreeMap;
@@ -130,6 +130,7 @@ impl RobotSetup {
                 speed_mps: Some(body.speed_mps),
                 accel_mps2: Some(body.accel_mps2),
                 brake_mps2: Some(body.brake_mps2),
+                actions: (version >= Version::V3_0).then(RobotSetup::offered),
                 ..Factsheet::default()
             }),
             announces_factsheet: true,
@@ -137,6 +138,25 @@ impl RobotSetup {
             body,
             quirks: RobotQuirks::default(),
         }
+    }
+
+    /// What a robot of 3.0 says that it offers: all that it can do.
+    fn offered() -> Vec<OfferedAction> {
+        use ActionScope::{AtOnce, Edge, Node};
+        let of = |scopes: &[ActionScope], kinds: &[&str]| -> Vec<OfferedAction> {
+            let one = |kind: &&str| OfferedAction { kind: (*kind).to_owned(), scopes: scopes.to_vec() };
+            kinds.iter().map(one).collect()
+        };
+        let mut all = of(
+            &[AtOnce],
+            &["startPause", "stopPause", "cancelOrder", "stateRequest", "factsheetRequest", "logReport"],
+        );
+        all.extend(of(&[AtOnce], &["trigger", "retry", "skipRetry"]));
+        all.extend(of(&[AtOnce, Node], &["startCharging", "stopCharging", "initializePosition"]));
+        all.extend(of(&[AtOnce, Node], &["clearInstantActions"]));
+        all.extend(of(&[Node, Edge], &["pick", "drop", "detectObject", "finePositioning"]));
+        all.extend(of(&[Node], &["waitForTrigger"]));
+        all
     }
 
     /// A robot that behaves as robot A was measured: npm `vda-5050-lib` 1.4.0, which speaks 2.0.
