@@ -36,6 +36,8 @@ pub(super) enum ErrorEnd {
     Localized,
     /// When it is granted what it has lost, or needs it no more.
     ReleaseGranted,
+    /// When the robot is out of the zone.
+    ZoneLeft,
 }
 
 /// Why an order is rejected.

@@ -109,7 +109,7 @@ impl VirtualRobot {
             e_stop: self.e_stop,
             field_violation: self.is_field_violated,
             requests: self.requests.to_states(),
-            zone_sets: Vec::new(),
+            zone_sets: self.zones.to_states(),
         }
     }
 

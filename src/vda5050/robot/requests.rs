@@ -38,7 +38,7 @@ impl RequestList {
     }
 
     /// Whether a request about something has a status.
-    fn is(&self, subject: &RequestSubject, status: RequestStatus) -> bool {
+    pub(super) fn is(&self, subject: &RequestSubject, status: RequestStatus) -> bool {
         self.held.iter().any(|held| held.request.subject == *subject && held.request.status == status)
     }
 
@@ -134,7 +134,12 @@ impl VirtualRobot {
     fn needed_releases(&self) -> Vec<RequestSubject> {
         let first = self.order.edges.first().filter(|way| way.edge.released && self.requests.is_obstructed);
         let is_asked_for = first.and_then(|way| way.edge.corridor).is_some_and(|c| c.release_required);
-        if is_asked_for && self.speaks_3_0() { vec![self.of_first_edge()] } else { Vec::new() }
+        if !self.speaks_3_0() {
+            return Vec::new();
+        }
+        let mut all = self.zones_to_enter();
+        all.extend(is_asked_for.then(|| self.of_first_edge()));
+        all
     }
 
     /// A grant has ended while it was needed: the robot stops where it is.
