@@ -26,8 +26,10 @@ mod session;
 mod tests;
 mod trigger;
 mod trust;
+mod zones;
 
 pub use contact::NotReady;
 pub use notice::Notice;
 pub use operator::{INIT_POSITION, SentAction};
 pub use session::{MessageStamp, RobotHeard, RobotSession, RobotTold, SessionOutput, SessionStart};
+pub use zones::{ClosedArea, closed_areas};

@@ -15,6 +15,7 @@ use super::order::{LegOrder, OrderLife, UpdateLife, first_of};
 use super::overtaken::MessageOrder;
 use super::pause::PauseLife;
 use super::trust::Trust;
+use super::zones::ZoneLife;
 use giveway_fleet::{Command, LinkState, Telemetry, Waypoint};
 use giveway_floor::id::{NodeId, RackId, RobotId};
 use giveway_floor::time::{Span, Time};
@@ -174,6 +175,7 @@ pub struct RobotSession {
     pub(super) charge: ChargeLife,
     /// The dismissal of a robot that waits at a work cell.
     pub(super) trigger: Option<AskedAction>,
+    pub(super) zones: ZoneLife,
     /// The length of the map's shortest lane, metres.
     pub(super) shortest_m: f64,
     pub(super) trust: Trust,
@@ -230,6 +232,7 @@ impl RobotSession {
             first_asked: None,
             charge: ChargeLife::Off,
             trigger: None,
+            zones: ZoneLife::default(),
             shortest_m: shortest_m.max(0.05),
             trust: Trust::default(),
             sent: VecDeque::new(),
@@ -380,6 +383,7 @@ impl RobotSession {
         self.mind_leases(now);
         self.prove_obedience(now);
         self.ask_for_factsheet();
+        self.mind_zones(now);
         if !self.mind_cancel(now) && self.not_ready(now).is_none() {
             self.note_arrival(now);
             if !self.mind_charge(now) {

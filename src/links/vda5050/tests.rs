@@ -27,6 +27,7 @@ mod losses;
 mod people;
 mod presence;
 mod validity;
+mod zones;
 
 const PERIOD: Span = Span::from_millis(100);
 const FLOOR: &str = "lab";
@@ -95,6 +96,8 @@ struct LinkFloor {
     delay: Span,
     /// What else happens to messages.
     chance: Chance,
+    /// What is closed, as sessions know it.
+    closed: Arc<[ClosedArea]>,
     /// What is set for the robots' kind.
     settings: RobotLinkSettings,
 }
@@ -168,6 +171,7 @@ impl LinkFloor {
             picks: BTreeMap::new(),
             delay: Span::from_millis(100),
             chance: Chance::default(),
+            closed: Arc::default(),
             settings,
         };
         let map = floor.map();
@@ -218,6 +222,7 @@ impl LinkFloor {
     /// One control period.
     fn step(&mut self, requests: Vec<Input>) {
         let mut inputs = requests;
+        self.tell_closed();
         for i in 0..self.pairs.len() {
             self.hear(i, &mut inputs);
         }
