@@ -27,12 +27,12 @@ const MOST: usize = 32;
 /// What the robot was answered, by the ids of its requests.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Leases {
-    answered: BTreeMap<String, Answered>,
+    answered: BTreeMap<String, LeaseAnswer>,
 }
 
 /// The last answer to a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Answered {
+struct LeaseAnswer {
     grant: Grant,
     at: Time,
 }
@@ -40,7 +40,7 @@ struct Answered {
 impl Leases {
     /// How many grants count: those that were not revoked, and revoked ones that the robot may still use.
     pub fn held(&self) -> usize {
-        let counts = |a: &&Answered| matches!(a.grant, Grant::Granted | Grant::Revoked);
+        let counts = |a: &&LeaseAnswer| matches!(a.grant, Grant::Granted | Grant::Revoked);
         self.answered.values().filter(counts).count()
     }
 }
@@ -52,17 +52,20 @@ impl RobotSession {
         if self.version < Version::V3_0 || self.unreachable(now).is_some() {
             return;
         }
-        let (may, heard) = (self.may_leave_line(now), *heard);
+        let heard = *heard;
         let mut answered = BTreeMap::new();
         let (mut responses, mut is_open) = (Vec::new(), false);
         for request in state.requests.iter().take(MOST) {
+            if answered.contains_key(&request.id) {
+                continue;
+            }
             let before = self.leases.answered.get(&request.id).copied();
-            let next = match self.answer_to(request, before, may, (now, heard)) {
+            let next = match self.answer_to(request, before, (now, heard)) {
                 Some(grant) => {
                     let until = (grant == Grant::Granted).then(|| now + LEASE);
                     let until_us = until.map(|until| until.0);
                     responses.push(Response { request: request.id.clone(), grant, until_us });
-                    Some(Answered { grant, at: now })
+                    Some(LeaseAnswer { grant, at: now })
                 }
                 // What the robot has confirmed counts no more.
                 None if matches!(request.status, RequestStatus::Revoked | RequestStatus::Expired) => None,
@@ -83,27 +86,32 @@ impl RobotSession {
         }
     }
 
-    /// Whether the robot may leave its line now: it drives by an order of ours, and the fleet lets it drive as it likes.
-    fn may_leave_line(&self, now: Time) -> bool {
-        let is_free = !self.is_limited && !self.pause.wanted && self.pause.stage == PauseState::Drives;
-        is_free && matches!(self.order, OrderLife::Has(_)) && self.not_ready(now).is_none()
+    /// Whether the fleet neither limits the robot nor lets it stand.
+    fn is_unlimited(&self) -> bool {
+        !self.is_limited && !self.pause.wanted && self.pause.stage == PauseState::Drives
+    }
+
+    /// Whether the robot drives by an order of ours, so that it may need what it asks for.
+    fn is_under_way(&self, now: Time) -> bool {
+        matches!(self.order, OrderLife::Has(_)) && self.not_ready(now).is_none()
     }
 
     /// What is answered to a request now, if anything.
     fn answer_to(
         &self,
         request: &Request,
-        before: Option<Answered>,
-        may: bool,
+        before: Option<LeaseAnswer>,
         (now, heard): (Time, Time),
     ) -> Option<Grant> {
         use RequestStatus as S;
-        let allowed = || may && self.can_be_granted(&request.subject);
+        // A robot that stays in a zone at the end of its order keeps its release.
+        let allowed = || self.is_unlimited() && self.can_be_granted(&request.subject);
         // A state that was sent after the robot had time to take the answer shows that it has not.
-        let is_lost = |before: Answered| heard >= before.at + AGAIN;
+        let is_lost = |before: LeaseAnswer| heard >= before.at + AGAIN;
         match (request.status, before) {
             (S::Revoked | S::Expired, _) => None,
-            (S::Requested, None) => Some(if allowed() { Grant::Granted } else { Grant::Rejected }),
+            (S::Requested, None) if self.is_under_way(now) && allowed() => Some(Grant::Granted),
+            (S::Requested, None) => Some(Grant::Rejected),
             // What an earlier process granted goes on or is taken back.
             (S::Granted, None) => Some(if allowed() { Grant::Granted } else { Grant::Revoked }),
             (_, Some(answer)) => match answer.grant {

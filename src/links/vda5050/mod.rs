@@ -32,4 +32,4 @@ pub use contact::NotReady;
 pub use notice::Notice;
 pub use operator::{INIT_POSITION, SentAction};
 pub use session::{MessageStamp, RobotHeard, RobotSession, RobotTold, SessionOutput, SessionStart};
-pub use zones::{ClosedArea, closed_areas};
+pub use zones::{BlockedArea, closed_areas};

@@ -294,7 +294,8 @@ impl RobotSession {
     pub fn command(&mut self, now: Time, command: &Command) -> SessionOutput {
         match command {
             Command::Drive { waypoints, recalls, horizon, .. } => {
-                let obeyed = self.progress.as_ref().is_some_and(|p| *recalls >= p.recalls);
+                let least = self.least_recalls();
+                let obeyed = self.progress.as_ref().is_some_and(|p| *recalls >= p.recalls.max(least));
                 if obeyed {
                     self.wanted =
                         Some(WantedDrive { waypoints: waypoints.clone(), horizon: horizon.clone() });

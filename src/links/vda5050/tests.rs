@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 mod complaints;
 mod corridors;
+mod drawn;
 mod handling;
 mod leases;
 mod lies;
@@ -97,7 +98,7 @@ struct LinkFloor {
     /// What else happens to messages.
     chance: Chance,
     /// What is closed, as sessions know it.
-    closed: Arc<[ClosedArea]>,
+    closed: Arc<[BlockedArea]>,
     /// What is set for the robots' kind.
     settings: RobotLinkSettings,
 }

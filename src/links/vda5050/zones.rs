@@ -1,6 +1,6 @@
 //! Zones, 3.0: closed areas of the floor as BLOCKED zones, so that a robot that plans for itself keeps out of them, too.
 //!
-//! Main types: [`ClosedArea`], [`ZoneLife`]; main function: `mind_zones`. A set of zones never changes: another one is
+//! Main types: [`BlockedArea`], [`ZoneLife`]; main function: `mind_zones`. A set of zones never changes: another one is
 //! sent, put in force when the robot has stored it, and the old one deleted then. A robot is stuck in a BLOCKED zone, so
 //! an area is none for a robot that is in it or was promised a way through it, until it is out. Refuses: robots that do not
 //! say that they know BLOCKED zones, and maps for which somebody else has put zones in force.
@@ -33,7 +33,7 @@ const TIMES: u32 = 5;
 
 /// An area of the floor that is closed to robots now.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ClosedArea {
+pub struct BlockedArea {
     /// The closure's number.
     pub closure: ClosureId,
     /// The corners, in the floor's frame; the sides do not cross.
@@ -41,7 +41,7 @@ pub struct ClosedArea {
 }
 
 /// The areas that are closed to robots at a time, oldest first, as far as an outline says what is closed.
-pub fn closed_areas(ledger: &Ledger, now: Time) -> Vec<ClosedArea> {
+pub fn closed_areas(ledger: &Ledger, now: Time) -> Vec<BlockedArea> {
     let closed = ledger.closures.iter().filter(|(_, closure)| {
         closure.state(now) == ClosureState::Closed && closure.binds.robots() && closure.nodes.is_empty()
     });
@@ -49,7 +49,7 @@ pub fn closed_areas(ledger: &Ledger, now: Time) -> Vec<ClosedArea> {
         let mut outline: Vec<Point> = area.outline.iter().map(|spot| Point::from(*spot)).collect();
         outline.dedup();
         outline.pop_if(|last| area.outline.first().is_some_and(|first| Point::from(*first) == *last));
-        ClosedArea { closure: *closure, outline }
+        BlockedArea { closure: *closure, outline }
     });
     areas.filter(|area| outline_area_m2(&area.outline).is_ok()).take(MOST).collect()
 }
@@ -58,7 +58,7 @@ pub fn closed_areas(ledger: &Ledger, now: Time) -> Vec<ClosedArea> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct ZoneLife {
     /// The closed areas of the floor.
-    closed: Arc<[ClosedArea]>,
+    closed: Arc<[BlockedArea]>,
     /// The areas that are to be the robot's zones, and when that was looked at.
     wanted: BTreeSet<ClosureId>,
     looked: Option<Time>,
@@ -81,7 +81,7 @@ struct SentSet {
 
 impl RobotSession {
     /// The areas of the floor that are closed to robots now.
-    pub fn close(&mut self, areas: &Arc<[ClosedArea]>) {
+    pub fn close(&mut self, areas: &Arc<[BlockedArea]>) {
         if !Arc::ptr_eq(&self.zones.closed, areas) {
             (self.zones.closed, self.zones.looked) = (areas.clone(), None);
         }
@@ -133,7 +133,7 @@ impl RobotSession {
     fn zones_wanted(&self) -> BTreeSet<ClosureId> {
         let reach_m = self.reach_m();
         let ways = self.promised_ways();
-        let touches = |area: &&ClosedArea, way: &[Point]| {
+        let touches = |area: &&BlockedArea, way: &[Point]| {
             let sides = || {
                 let n = area.outline.len();
                 (0..n).map(move |i| Segment { a: area.outline[i], b: area.outline[(i + 1) % n] })
@@ -144,7 +144,7 @@ impl RobotSession {
                     || sides().any(|side| axis_distance_of_segments(side, part) <= reach_m)
             })
         };
-        let is_clear = |area: &&ClosedArea| !ways.iter().any(|way| touches(area, way));
+        let is_clear = |area: &&BlockedArea| !ways.iter().any(|way| touches(area, way));
         self.zones.closed.iter().filter(is_clear).map(|area| area.closure).collect()
     }
 
@@ -249,7 +249,7 @@ fn about(set: &str) -> Vec<Parameter> {
 }
 
 /// An area as a zone of the robot's map, anticlockwise.
-fn zone(area: &ClosedArea, frame: &MapFrame) -> Zone {
+fn zone(area: &BlockedArea, frame: &MapFrame) -> Zone {
     let n = area.outline.len();
     let doubled: f64 = (0..n).map(|i| area.outline[i].coords.perp(&area.outline[(i + 1) % n].coords)).sum();
     let mut corners: Vec<(f64, f64)> = area.outline.iter().map(|corner| frame.to_robot(*corner)).collect();
@@ -271,7 +271,7 @@ mod tests {
         let corners = [(10.0, 0.0), (12.0, 0.0), (12.0, 1.0)].map(|(x, y)| Point::new(x, y));
         let back = corners.iter().rev().copied().collect();
         for outline in [corners.to_vec(), back] {
-            let zone = zone(&ClosedArea { closure: ClosureId(3), outline }, &frame);
+            let zone = zone(&BlockedArea { closure: ClosureId(3), outline }, &frame);
             let at: Vec<(i64, i64)> =
                 zone.corners.iter().map(|(x, y)| (x.round() as i64, y.round() as i64)).collect();
             assert_eq!((zone.id.as_str(), at), ("closure-3", vec![(0, 0), (0, -2), (1, -2)]));

@@ -111,7 +111,7 @@ impl VirtualRobot {
     pub(super) fn zones_to_enter(&self) -> Vec<RequestSubject> {
         let released = self.order.nodes.iter().filter(|held| held.node.released);
         let (mut from, mut all) = ((self.body.x, self.body.y), Vec::new());
-        for to in released.filter_map(|held| self.place_of(&held.node)) {
+        for to in [from].into_iter().chain(released.filter_map(|held| self.place_of(&held.node))) {
             for (set, zone) in self.zones_at(from, to).filter(|(_, zone)| zone.kind == ZoneKind::Release) {
                 let subject = access(set, zone);
                 if !all.contains(&subject) {
@@ -148,17 +148,17 @@ fn reaches(corners: &[(f64, f64)], from: (f64, f64), to: (f64, f64)) -> bool {
     crossed.count() % 2 == 1 || sides().any(|side| distance_m(side, (from, to)) <= REACH_M)
 }
 
-type Line = ((f64, f64), (f64, f64));
+type StraightLine = ((f64, f64), (f64, f64));
 
 /// The distance between two straight lines.
-fn distance_m(s: Line, t: Line) -> f64 {
+fn distance_m(s: StraightLine, t: StraightLine) -> f64 {
     let side =
         |o: (f64, f64), a: (f64, f64), b: (f64, f64)| (a.0 - o.0) * (b.1 - o.1) - (a.1 - o.1) * (b.0 - o.0);
-    let parts = |s: Line, t: Line| side(s.0, s.1, t.0) * side(s.0, s.1, t.1) < 0.0;
+    let parts = |s: StraightLine, t: StraightLine| side(s.0, s.1, t.0) * side(s.0, s.1, t.1) < 0.0;
     if parts(s, t) && parts(t, s) {
         return 0.0;
     }
-    let to_line = |p: (f64, f64), (a, b): Line| {
+    let to_line = |p: (f64, f64), (a, b): StraightLine| {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
         let length2 = dx * dx + dy * dy;
         let along = if length2 > 0.0 { ((p.0 - a.0) * dx + (p.1 - a.1) * dy) / length2 } else { 0.0 };

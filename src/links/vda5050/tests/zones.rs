@@ -6,7 +6,7 @@ use giveway_fleet::{Binds, Closure, FloorAction};
 use giveway_floor::geometry::{Point, Spot};
 use giveway_floor::id::ClosureId;
 use giveway_floor::time::Window;
-use giveway_vda5050::{StoredZoneSet, Zone, ZoneKind, ZoneSet};
+use giveway_vda5050::{Grant, RequestStatus, StoredZoneSet, Zone, ZoneKind, ZoneSet};
 
 impl LinkFloor {
     /// Sessions know what is closed.
@@ -20,11 +20,11 @@ impl LinkFloor {
         }
     }
 
-    /// Closes the floor from one place along the way to another, for a while.
-    fn close(&mut self, from_x: f64, to_x: f64, seconds: i64) -> ClosureId {
+    /// Closes the floor between two corners, for a while.
+    pub(super) fn close(&mut self, least: [f64; 2], most: [f64; 2], seconds: i64) -> ClosureId {
         let id = ClosureId(self.fleet.ledger().next_closure);
         // Clockwise: the zone must not be.
-        let corners = [(from_x, -2.0), (from_x, 2.0), (to_x, 2.0), (to_x, -2.0)];
+        let corners = [(least[0], least[1]), (least[0], most[1]), (most[0], most[1]), (most[0], least[1])];
         let area = Closure {
             outline: corners.map(|(x, y)| Spot::from(Point::new(x, y))).into(),
             nodes: Vec::new(),
@@ -69,7 +69,7 @@ fn with_one(setup: RobotSetup) -> LinkFloor {
 #[test]
 fn a_closed_area_is_a_zone_while_it_is_closed_and_old_sets_are_deleted() {
     let mut floor = with_one(standard(Version::V3_0));
-    let closure = floor.close(9.0, 15.0, 60);
+    let closure = floor.close([9.0, -2.0], [15.0, 2.0], 60);
     floor.until(10, "it has the zone", |f| f.has_zones(1));
     let sets = floor.zone_sets();
     let zone = Zone {
@@ -90,7 +90,7 @@ fn an_area_is_no_zone_for_a_robot_that_is_in_it_or_was_promised_a_way_through_it
     let mut floor = with_one(standard(Version::V3_0));
     let job = floor.go("end");
     floor.until(60, "it is on its way", |f| f.pairs[0].place().0 > 3.0);
-    let (end, _closure) = (floor.now + Span::from_secs(240), floor.close(5.0, 13.0, 200));
+    let (end, _closure) = (floor.now + Span::from_secs(240), floor.close([5.0, -2.0], [13.0, 2.0], 200));
     let mut was_within = false;
     while floor.now < end {
         floor.step(Vec::new());
@@ -109,7 +109,7 @@ fn robots_that_do_not_say_that_they_know_such_zones_get_none() {
     other.factsheet.as_mut().expect("it has one").zones = vec!["SPEED_LIMIT".into()];
     for setup in [other, standard(Version::V2_1)] {
         let mut floor = with_one(setup);
-        floor.close(9.0, 15.0, 600);
+        floor.close([9.0, -2.0], [15.0, 2.0], 600);
         floor.run(20);
         assert!(floor.zone_sets().is_empty());
     }
@@ -122,28 +122,38 @@ fn zones_that_somebody_else_has_put_in_force_stay_so() {
     let zone = Zone { id: "z".into(), kind: ZoneKind::Release, corners };
     setup.zone_sets = vec![ZoneSet { id: "theirs".into(), map: FLOOR.into(), zones: vec![zone] }];
     let mut floor = with_one(setup);
-    floor.close(9.0, 15.0, 600);
+    floor.close([9.0, -2.0], [15.0, 2.0], 600);
     floor.run(20);
     assert!(floor.zone_sets().is_empty() && floor.stored()[0].enabled);
 }
 
 #[test]
-fn a_robot_enters_a_release_zone_of_its_own_by_a_lease() {
+fn a_robot_enters_a_release_zone_of_its_own_by_a_lease_and_keeps_it_where_its_order_ends() {
     let mut setup = standard(Version::V3_0);
-    let corners = vec![(6.0, -1.0), (10.0, -1.0), (10.0, 1.0), (6.0, 1.0)];
+    let corners = vec![(18.0, -1.0), (24.0, -1.0), (24.0, 1.0), (18.0, 1.0)];
     let zone = Zone { id: "z".into(), kind: ZoneKind::Release, corners };
     setup.zone_sets = vec![ZoneSet { id: "theirs".into(), map: FLOOR.into(), zones: vec![zone] }];
     let mut floor = with_one(setup);
     let job = floor.go("end");
+    floor.until(60, "it is in the zone", |f| f.pairs[0].place().0 > 19.0);
+    let is_granted = |f: &LinkFloor| {
+        let requests = f.pairs[0].robot.robot.state().requests;
+        requests.iter().all(|request| request.status == RequestStatus::Granted)
+    };
+    while floor.pairs[0].place().0 > 19.0 && floor.now < Time::ZERO + Span::from_secs(300) {
+        assert!(is_granted(&floor), "{:?}", floor.pairs[0].robot.robot.state().requests);
+        floor.step(Vec::new());
+    }
     floor.until_done(&[job], 120);
-    assert!(!floor.answers(Time::ZERO).is_empty());
+    let answers = floor.answers(Time::ZERO);
+    assert!(answers.iter().all(|answer| answer.grant == Grant::Granted) && answers.len() > 1, "{answers:?}");
     assert_eq!(floor.notices(0), [""; 0]);
 }
 
 #[test]
 fn zones_of_a_process_that_died_end_with_what_is_closed_for_the_next_one() {
     let mut floor = with_one(standard(Version::V3_0));
-    floor.close(9.0, 15.0, 40);
+    floor.close([9.0, -2.0], [15.0, 2.0], 40);
     floor.until(10, "it has the zone", |f| f.has_zones(1));
     floor.restart();
     floor.run(10);
@@ -159,7 +169,7 @@ fn sets_are_put_in_force_although_messages_are_lost_doubled_and_late() {
     for seed in 1..=8 {
         let mut floor = with_one(standard(Version::V3_0));
         floor.chance = Chance { state: seed, lost: 0.15, doubled: 0.1, late_ms: 400.0 };
-        floor.close(9.0, 15.0, 60);
+        floor.close([9.0, -2.0], [15.0, 2.0], 60);
         floor.until(60, "it has the zone", |f| f.stored().iter().any(|set| set.enabled));
         floor.until(120, "it has none any more", |f| f.has_zones(0));
         assert!(floor.zone_sets().len() <= 12, "{}", floor.zone_sets().len());
@@ -169,7 +179,7 @@ fn sets_are_put_in_force_although_messages_are_lost_doubled_and_late() {
 #[test]
 fn a_robot_that_never_stores_what_it_is_sent_is_not_sent_it_for_ever() {
     let mut floor = with_one(standard(Version::V3_0));
-    floor.close(9.0, 15.0, 3600);
+    floor.close([9.0, -2.0], [15.0, 2.0], 3600);
     for _period in 0..6_000 {
         floor.pairs[0].to_robot.retain(|(_, message)| !matches!(message, Message::ZoneSet(_)));
         floor.step(Vec::new());

@@ -20,7 +20,7 @@ use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_links::vda5050::{
-    ClosedArea, MessageStamp, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, closed_areas,
+    BlockedArea, MessageStamp, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, closed_areas,
 };
 use giveway_site::{ListedRobot, MQTT_LINK, MqttLink};
 use giveway_vda5050::{Address, Header, Message, Read, TopicKind, Version, read};
@@ -84,7 +84,7 @@ pub struct MqttRobots {
     counts: LinkTally,
     begun: Time,
     /// What is closed to robots, and when that was looked at.
-    closed: (Arc<[ClosedArea]>, Time),
+    closed: (Arc<[BlockedArea]>, Time),
 }
 
 /// A line to the broker of a site that has begun.
@@ -202,7 +202,7 @@ impl MqttRobots {
     }
 
     /// What is closed to robots: the same value as before if nothing has changed.
-    fn closed(&mut self, now: Time, ledger: &Ledger) -> Arc<[ClosedArea]> {
+    fn closed(&mut self, now: Time, ledger: &Ledger) -> Arc<[BlockedArea]> {
         let (areas, looked) = &mut self.closed;
         if now - *looked >= LOOKS {
             *looked = now;
