@@ -146,8 +146,8 @@ pub(crate) fn read_links(kinds: &mut [NamedKind]) -> Result<BTreeMap<String, Rob
     Ok(links)
 }
 
-/// Lets the figures of a kind that speaks VDA 5050 say what such robots can do, if they do not say it themselves. Robots
-/// whose orders have corridors are not displaced beside the line.
+/// Lets the figures of a kind that speaks VDA 5050 say what such robots can do, if they do not say it themselves.
+/// Robots whose orders have corridors are not displaced beside the line.
 pub(crate) fn limited_as_linked(fleet: &mut KindFigures, link: &RobotLinkSettings) {
     let RobotLinkSettings { horizon_nodes, free_navigation, .. } = *link;
     fleet.free_navigation |= free_navigation;

@@ -46,8 +46,8 @@ impl RobotSession {
         }
     }
 
-    /// How many revocations a drive must know of: one that is being obeyed counts, since the fleet repeats what it wanted
-    /// before until it is.
+    /// How many revocations a drive must know of: one that is being obeyed counts, since the fleet repeats what it
+    /// wanted before until it is.
     pub(super) fn least_recalls(&self) -> u64 {
         match &self.order {
             OrderLife::Cancels { cancel, .. } => cancel.number.unwrap_or(0),

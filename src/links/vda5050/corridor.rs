@@ -1,8 +1,8 @@
 //! Corridors: how far a robot may leave the line of a lane, as the edges of its orders say it.
 //!
-//! Main function: `corridor`. The map's corridor bounds the robot's outline, and the fleet keeps all of it free of other
-//! robots while the lane is granted. Refuses: corridors for robots of 2.0, which does not know them, and corridors that a
-//! robot would leave on the line itself.
+//! Main function: `corridor`. The map's corridor bounds the robot's outline, and the fleet keeps all of it free of
+//! other robots while the lane is granted. Refuses: corridors for robots of 2.0, which does not know them, and
+//! corridors that a robot would leave on the line itself.
 
 use super::session::RobotSession;
 use giveway_floor::id::NodeId;

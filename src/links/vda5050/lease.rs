@@ -4,8 +4,8 @@
 //! Main type: [`Leases`]; main function: `mind_leases`. A robot is granted what it asks for if the fleet has neither
 //! limited nor paused it: then nobody is near. A grant ends after [`LEASE`] and is renewed before that; when the fleet
 //! limits the robot it is revoked in the same turn, and counts until a state shows that the robot has lost it. Refuses:
-//! corridors of edges that are not released or have none, other ways through zones, and more than [`MOST`] requests of a
-//! robot at once: without an answer nothing is granted.
+//! corridors of edges that are not released or have none, other ways through zones, and more than [`MOST`] requests of
+//! a robot at once: without an answer nothing is granted.
 
 use super::order::{LegOrder, OrderLife};
 use super::pause::PauseState;

@@ -1,7 +1,7 @@
 //! What becomes of an action that failed and may be tried again, 3.0: it is tried once more, then given up.
 //!
-//! Main type: [`RetryLife`]; main function: `mind_retry`. Refuses: to wait for ever for a robot that neither tries again
-//! nor gives up.
+//! Main type: [`RetryLife`]; main function: `mind_retry`. Refuses: to wait for ever for a robot that neither tries
+//! again nor gives up.
 
 use super::acts::LegAct;
 use super::notice::Notice;
@@ -23,7 +23,8 @@ pub(super) enum RetryLife {
     /// It has not failed.
     #[default]
     None,
-    /// The robot was told to try again. `over` is since when it says that it was told; `began` whether it was seen to try.
+    /// The robot was told to try again. `over` is since when it says that it was told; `began` whether it was seen to
+    /// try.
     Asked { asked: AskedAction, over: Option<Time>, began: bool },
     /// The robot was told to give it up, for which it had this reason.
     Skips { asked: AskedAction, words: String },

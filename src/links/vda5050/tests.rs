@@ -41,6 +41,8 @@ struct Pair {
     robot: EmbodiedRobot,
     session: RobotSession,
     number: Option<RobotId>,
+    /// What the fleet last told it to drive.
+    drive: Option<giveway_fleet::Command>,
     joined_at: Option<Time>,
     /// Messages on their way, with their arrival.
     to_robot: Vec<(Time, Message)>,
@@ -207,6 +209,7 @@ impl LinkFloor {
             robot: EmbodiedRobot::new(setup),
             session,
             number: None,
+            drive: None,
             joined_at: None,
             to_robot: Vec::new(),
             to_fleet: Vec::new(),
@@ -232,6 +235,9 @@ impl LinkFloor {
         self.note(&step.facts);
         for (robot, command) in step.urgent.iter().chain(&step.commands) {
             let i = self.pairs.iter().position(|pair| pair.number == Some(*robot)).expect("it has joined");
+            if matches!(command, giveway_fleet::Command::Drive { .. }) {
+                self.pairs[i].drive = Some(command.clone());
+            }
             let out = self.pairs[i].session.command(self.now, command);
             self.take(i, out, &mut Vec::new());
         }

@@ -1,7 +1,7 @@
 //! Waiting at a work cell, 3.0: the order ends with `waitForTrigger`, and the dismissal begins with `trigger`.
 //!
-//! Main functions: `wait_at_cell`, `mind_trigger`. A robot waits so if its factsheet offers both; others just stand at the
-//! end of their order. Refuses: to send an order to a robot that still waits, which it would reject.
+//! Main functions: `wait_at_cell`, `mind_trigger`. A robot waits so if its factsheet offers both; others just stand at
+//! the end of their order. Refuses: to send an order to a robot that still waits, which it would reject.
 
 use super::session::{AskedAction, RobotSession};
 use giveway_floor::time::{Span, Time};

@@ -1,9 +1,10 @@
-//! Zones, 3.0: closed areas of the floor as BLOCKED zones, so that a robot that plans for itself keeps out of them, too.
+//! Zones, 3.0: closed areas of the floor as BLOCKED zones, so that a robot that plans for itself keeps out of them,
+//! too.
 //!
 //! Main types: [`BlockedArea`], [`ZoneLife`]; main function: `mind_zones`. A set of zones never changes: another one is
-//! sent, put in force when the robot has stored it, and the old one deleted then. A robot is stuck in a BLOCKED zone, so
-//! an area is none for a robot that is in it or was promised a way through it, until it is out. Refuses: robots that do not
-//! say that they know BLOCKED zones, and maps for which somebody else has put zones in force.
+//! sent, put in force when the robot has stored it, and the old one deleted then. A robot is stuck in a BLOCKED zone,
+//! so an area is none for a robot that is in it or was promised a way through it, until it is out. Refuses: robots that
+//! do not say that they know BLOCKED zones, and maps for which somebody else has put zones in force.
 
 use super::session::{AskedAction, RobotSession};
 use giveway_fleet::{ClosureState, Ledger};

@@ -9,7 +9,8 @@ pub struct Response {
     pub request: String,
     /// The answer.
     pub grant: Grant,
-    /// When a grant ends, microseconds since 1970 in UTC; nothing if it does not end by itself. Milliseconds are written.
+    /// When a grant ends, microseconds since 1970 in UTC; nothing if it does not end by itself. Milliseconds are
+    /// written.
     pub until_us: Option<i64>,
 }
 

@@ -1,8 +1,8 @@
 //! Reads answers to robots' requests, and zone sets.
 //!
 //! Main functions: [`responses`], [`zone_set`]. An answer that cannot be read is left out, so that it does not stop
-//! others: without an answer nothing is granted. A zone set is read as a whole or not at all. Refuses: zone sets without
-//! ids and corners, and leases whose end cannot be read.
+//! others: without an answer nothing is granted. A zone set is read as a whole or not at all. Refuses: zone sets
+//! without ids and corners, and leases whose end cannot be read.
 
 use super::object::ObjectReader;
 use super::oddity::Unreadable;

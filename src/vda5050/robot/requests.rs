@@ -1,7 +1,7 @@
 //! What a virtual robot of 3.0 asks its master for, and what it does with the answers.
 //!
-//! Main type: [`RequestList`]; main functions: `ask_for_releases`, `take_responses`. Something in the robot's way makes it
-//! go round within the corridor of its edge: at once if it may, or else when it was granted. Source: VDA 5050 3.0,
+//! Main type: [`RequestList`]; main functions: `ask_for_releases`, `take_responses`. Something in the robot's way makes
+//! it go round within the corridor of its edge: at once if it may, or else when it was granted. Source: VDA 5050 3.0,
 //! section 6.4.3. Refuses: to drive aside, which its simple body cannot; it takes the line for the way round.
 
 use super::VirtualRobot;

@@ -1,8 +1,8 @@
 //! The zone sets that a virtual robot of 3.0 has stored, and where its zones let it drive.
 //!
-//! Main type: [`ZoneStore`]; main functions: `take_zone_set`, `enable_zone_set`, `delete_zone_set`. Source: VDA 5050 3.0,
-//! sections 6.4.1 and 6.4.2. Refuses: zones of other types than BLOCKED and RELEASE, a set with the id of another one,
-//! and more than [`SETS_MOST`] sets.
+//! Main type: [`ZoneStore`]; main functions: `take_zone_set`, `enable_zone_set`, `delete_zone_set`. Source: VDA 5050
+//! 3.0, sections 6.4.1 and 6.4.2. Refuses: zones of other types than BLOCKED and RELEASE, a set with the id of another
+//! one, and more than [`SETS_MOST`] sets.
 
 use super::VirtualRobot;
 use super::complaints::ErrorEnd;
