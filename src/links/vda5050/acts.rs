@@ -98,7 +98,10 @@ impl RobotSession {
     /// Asks a robot that is at the end of its order and has said nothing of its action: the next state may be far off.
     pub(super) fn ask_about_act(&mut self, now: Time) {
         let OrderLife::Has(LegOrder { act: Some(act), .. }) = &self.order else { return };
-        if act.there.is_some_and(|there| now - there >= SAYS) {
+        // A robot that waits at a work cell may do so for long, and tells when it does not.
+        let waits = matches!(act.act, Act::Pick(_))
+            && act.action.as_ref().is_some_and(|action| self.action_state(&action.id).is_some());
+        if !waits && act.there.is_some_and(|there| now - there >= SAYS) {
             self.look_again(now);
         }
     }

@@ -69,6 +69,13 @@ fn a_robot_waits_at_the_station_for_a_trigger_that_is_its_dismissal() {
     let (mut floor, job) = carries(standard(Version::V3_0));
     floor.until(240, "it waits", |f| f.says_of("waitForTrigger", ActionStatus::Running));
     assert_eq!(floor.count("trigger"), 0);
+    floor.run(2);
+    let since = floor.now;
+    // The picker takes long.
+    floor.picks.values_mut().for_each(|picks| *picks += Span::from_secs(60));
+    floor.run(55);
+    let asked = floor.told_since(since).iter().filter(|told| **told == "stateRequest").count();
+    assert!(asked <= 3, "asked {asked} times in a minute");
     let orders = floor.orders().len();
     floor.until(60, "it is dismissed", |f| f.count("trigger") > 0);
     let robot = floor.pairs[0].number.expect("it has joined");
