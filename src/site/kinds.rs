@@ -142,14 +142,17 @@ pub(crate) fn read_links(kinds: &mut [NamedKind]) -> Result<BTreeMap<String, Rob
     for (i, kind) in kinds.iter_mut().enumerate() {
         let Some(link) = kind.link.take() else { continue };
         let link = link.read(&format!("kinds[{i}].link"), None)?;
-        limited_as_linked(&mut kind.fleet, link.horizon_nodes);
+        limited_as_linked(&mut kind.fleet, &link);
         links.insert(kind.name.clone(), link);
     }
     Ok(links)
 }
 
 /// Lets the figures of a kind that speaks VDA 5050 say what such robots can do, if they do not say it themselves.
-pub(crate) fn limited_as_linked(fleet: &mut KindFigures, horizon_nodes: usize) {
+/// Robots whose orders have corridors are not displaced beside the line.
+pub(crate) fn limited_as_linked(fleet: &mut KindFigures, link: &RobotLinkSettings) {
+    let RobotLinkSettings { horizon_nodes, free_navigation, .. } = *link;
+    fleet.free_navigation |= free_navigation;
     fleet.can.get_or_insert(CapabilityFigures {
         revocation: true,
         limits: ObeyedLimits::Stops,

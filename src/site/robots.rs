@@ -199,7 +199,7 @@ impl RobotsReader<'_> {
             }
         };
         let link = link.read(&format!("kinds.{name}.link"), self.map_id.as_deref());
-        limited_as_linked(&mut fleet, link.as_ref().map_or(0, |link| link.horizon_nodes));
+        limited_as_linked(&mut fleet, link.as_ref().unwrap_or(&RobotLinkSettings::default()));
         let is_open = KindFigure::ALL.iter().any(|figure| fleet.leaves_out(*figure));
         let open = OpenKind { name: name.to_owned(), figures: fleet };
         let kind = open.filled(None);

@@ -86,6 +86,8 @@ pub struct RobotLinkSettings {
     pub deviation_m: f64,
     /// Whether a robot that says that it does not know where it is is believed. Some say so always.
     pub needs_localized: bool,
+    /// Whether the robots may leave the line of a lane within the corridor that the map gives to the lane.
+    pub free_navigation: bool,
 }
 
 /// An action in the words of a kind of robot.
@@ -148,6 +150,7 @@ impl Default for RobotLinkSettings {
             repeat: RepeatRule::Safe,
             deviation_m: 0.5,
             needs_localized: true,
+            free_navigation: false,
         }
     }
 }
@@ -178,6 +181,7 @@ pub struct LinkFigures {
     horizon_nodes: Option<usize>,
     longest_base_m: Option<f64>,
     deviation_m: Option<f64>,
+    free_navigation: bool,
     actions: ActionsFile,
     quirks: QuirksFile,
 }
@@ -367,6 +371,7 @@ impl LinkFigures {
             deviation_key: self.quirks.deviation_key.unwrap_or(usual.deviation_key),
             repeat: repeat.unwrap_or(usual.repeat),
             needs_localized: self.quirks.localized != Some(LocalizedWord::Ignored),
+            free_navigation: self.free_navigation,
             deviation_m,
         })
     }
@@ -437,7 +442,7 @@ mod tests {
     use giveway_vda5050::Version;
 
     const KINDS: &str = r#""kinds": [{"name": "coaty", "fleet": {"speed_mps": 1.5}, "link": {
-        "maps": {"lab": {"dx": 2, "turn": 1.5}}, "horizon_nodes": 2, "longest_base_m": 3,
+        "maps": {"lab": {"dx": 2, "turn": 1.5}}, "horizon_nodes": 2, "longest_base_m": 3, "free_navigation": true,
         "actions": {"lift": {"type": "pick", "parameters": {"stationType": "floor"}, "blocking": "SOFT"}},
         "quirks": {"instant_actions_key": "instantActions", "repeat": "never"}}}]"#;
     const BROKER: &str = r#""links": {"mqtt": {"url": "mqtt://localhost:1883", "prefix": "hall-3/"}}"#;
@@ -469,6 +474,10 @@ mod tests {
             (2, 3.0, crate::RepeatRule::Never)
         );
         assert_eq!(form.lift.parameters[0].key, "stationType");
+        assert!(
+            form.free_navigation && site.kinds[0].free_navigation,
+            "beside the line it is where it may be"
+        );
         let can = site.kinds[0].capabilities;
         assert_eq!((can.revocation, can.drives_back, can.horizon_nodes), (true, false, 2));
         assert_eq!(can.limits, giveway_fleet::ObeyedLimits::Stops);

@@ -8,6 +8,7 @@
 pub mod model;
 pub mod read;
 pub mod robot;
+mod stamp;
 #[cfg(test)]
 mod tests;
 pub mod topic;
@@ -16,6 +17,7 @@ mod vocabulary;
 pub mod write;
 
 pub use model::action::{Action, ActionState, ActionStatus, BlockingType, Parameter};
+pub use model::answer::{Grant, Response};
 pub use model::error::{ErrorLevel, ErrorReference, RobotError};
 pub use model::factsheet::{ActionScope, Factsheet, OfferedAction};
 pub use model::order::{Corridor, Edge, Node, NodePosition, Order};
@@ -23,6 +25,7 @@ pub use model::state::{
     ConnectionState, EStop, Load, NodeLeft, OperatingMode, Position, Power, Request, RequestStatus,
     RequestSubject, State, Velocity, Visualization,
 };
+pub use model::zone::{StoredZoneSet, Zone, ZoneKind, ZoneSet};
 pub use model::{Header, Message};
 pub use read::{Oddity, Read, Unreadable, read};
 pub use robot::{EmbodiedRobot, RobotMessage, RobotQuirks, RobotSetup, RobotStep, VirtualRobot};

@@ -61,6 +61,11 @@ impl TopicKind {
         )
     }
 
+    /// Whether a version has such messages.
+    pub fn is_in(self, version: Version) -> bool {
+        version >= Version::V3_0 || !matches!(self, TopicKind::ZoneSet | TopicKind::Responses)
+    }
+
     /// Whether the broker keeps the last of these messages.
     pub fn is_retained(self) -> bool {
         matches!(self, TopicKind::Connection | TopicKind::Factsheet)

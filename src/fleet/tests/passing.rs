@@ -7,6 +7,11 @@ use giveway_floor::warehouse::{Corridor, Draft, DraftLane, DraftNode, Footprint,
 
 /// A straight way of 24 m from a charger to a parking place with this corridor, and a way round of this many metres.
 fn floor(side_m: Option<f64>, round_m: f64, free_navigation: bool) -> TestFloor {
+    floor_of(side_m, round_m, free_navigation, ObeyedLimits::Speeds)
+}
+
+/// The same with a robot that obeys these limits.
+fn floor_of(side_m: Option<f64>, round_m: f64, free_navigation: bool, limits: ObeyedLimits) -> TestFloor {
     let mut draft = Draft { name: "way".into(), footprint_m: 0.9, ..Draft::default() };
     let mut node = |name: &str, x: f64, y: f64| {
         draft.nodes.push(DraftNode { name: name.into(), at: Point::new(x, y) });
@@ -35,6 +40,7 @@ fn floor(side_m: Option<f64>, round_m: f64, free_navigation: bool) -> TestFloor 
     let circle = Some(Footprint::Circle { radius_m: 0.35 });
     scenario.site.kinds[0].footprints = [circle.clone(), circle];
     scenario.site.kinds[0].free_navigation = free_navigation;
+    scenario.site.kinds[0].capabilities.limits = limits;
     TestFloor::new(draft.build().expect("it is a map"), &scenario)
 }
 
@@ -133,6 +139,12 @@ fn without_free_navigation_without_a_corridor_and_without_room_no_robot_leaves_t
         let trip = trip(&mut floor(side_m, 55.0, free), 60, stands);
         assert!(!trip.passed && trip.aside_m < 0.01, "{side_m:?} {free}");
     }
+}
+
+#[test]
+fn a_robot_that_cannot_be_slow_is_not_led_past_anybody() {
+    let trip = trip(&mut floor_of(Some(3.5), 55.0, true, ObeyedLimits::Stops), 60, stands);
+    assert!(!trip.passed && trip.aside_m < 0.01);
 }
 
 #[test]

@@ -12,6 +12,7 @@ use crate::people::state::HumanState;
 use crate::state::binding::STOPPING;
 use crate::state::displaced::OFF_ROUTE_M;
 use crate::state::floor::Floor;
+use crate::state::kind::ObeyedLimits;
 use crate::state::passing::{HeldChoice, Passing, PassingStretch, RobotPassing, cheapest};
 use crate::state::writer::Writer;
 use giveway_floor::geometry::Point;
@@ -62,7 +63,9 @@ impl Yielding {
         (robot, worker): (RobotId, WorkerId),
         now: Time,
     ) -> Option<Prospect> {
-        let may_leave = floor.kind(robot).free_navigation && self.state.of(robot).passing.is_none();
+        // A robot that stands where others are slow does not get past.
+        let is_able = floor.kind(robot).free_navigation && floor.obeyed_limits(robot) == ObeyedLimits::Speeds;
+        let may_leave = is_able && self.state.of(robot).passing.is_none();
         if !may_leave || floor.settings.policy != HumanAwarePolicy::Giveway {
             return None;
         }

@@ -4,11 +4,13 @@
 
 use super::notice::Notice;
 use super::order::{LegOrder, OrderLife};
+use super::retry::RetryLife;
 use super::session::RobotSession;
 use giveway_fleet::{Act, Waypoint};
 use giveway_floor::id::RackId;
 use giveway_floor::time::{Span, Time};
-use giveway_vda5050::{Action, ActionStatus};
+use giveway_site::ActionForm;
+use giveway_vda5050::{Action, ActionStatus, Version};
 
 /// A robot that stands at the end of its order and says nothing of its action for this long did not do it.
 const SAYS: Span = Span::from_millis(1000);
@@ -23,6 +25,8 @@ pub(super) struct LegAct {
     pub action: Option<Action>,
     /// Since when the robot has been at the end of its order.
     pub there: Option<Time>,
+    /// What became of it if it failed and may be tried again.
+    pub retry: RetryLife,
 }
 
 /// An action that failed, in words: the robot waits for a person.
@@ -42,19 +46,21 @@ impl RobotSession {
     /// What the robot is to do at a visit, in an order.
     pub(super) fn leg_act(&self, order: &str, at: &Waypoint) -> Option<LegAct> {
         let act = at.act?;
-        let form = match act {
-            Act::Lift(_) => Some(&self.settings.lift),
-            Act::Set(_) => Some(&self.settings.set),
-            Act::Pick(_) | Act::Arrive => None,
-        };
-        let action = form.map(|form| Action {
+        let id = format!("{order}-{}", at.serial);
+        let handling = |form: &ActionForm, id| Action {
             kind: form.kind.clone(),
-            id: format!("{order}-{}", at.serial),
+            id,
             blocking: form.blocking,
             parameters: form.parameters.clone(),
-            retriable: false,
-        });
-        Some(LegAct { serial: at.serial, act, action, there: None })
+            retriable: self.version >= Version::V3_0,
+        };
+        let action = match act {
+            Act::Lift(_) => Some(handling(&self.settings.lift, id)),
+            Act::Set(_) => Some(handling(&self.settings.set, id)),
+            Act::Pick(_) => self.wait_at_cell(id),
+            Act::Arrive => None,
+        };
+        Some(LegAct { serial: at.serial, act, action, there: None, retry: RetryLife::None })
     }
 
     /// Notes in a state whether the robot is done at the end of its order.
@@ -76,22 +82,28 @@ impl RobotSession {
             Some(ActEnd::Done) => self.finish(&act),
             // What is cancelled need not be done.
             Some(ActEnd::Failed(_)) if matches!(self.order, OrderLife::Cancels { .. }) => {}
-            Some(ActEnd::Failed(notice)) => {
-                let words = notice.to_string();
-                self.notice(notice);
-                self.order = OrderLife::Idle;
-                if let Some(progress) = &mut self.progress {
-                    progress.failed = Some(ActFailure { serial: act.serial, words });
-                }
-            }
+            Some(ActEnd::Failed(notice)) => self.fail(act.serial, notice),
             None => {}
+        }
+    }
+
+    /// The action at the end of the order has failed: the robot waits for a person.
+    pub(super) fn fail(&mut self, serial: u64, notice: Notice) {
+        let words = notice.to_string();
+        self.notice(notice);
+        self.order = OrderLife::Idle;
+        if let Some(progress) = &mut self.progress {
+            progress.failed = Some(ActFailure { serial, words });
         }
     }
 
     /// Asks a robot that is at the end of its order and has said nothing of its action: the next state may be far off.
     pub(super) fn ask_about_act(&mut self, now: Time) {
         let OrderLife::Has(LegOrder { act: Some(act), .. }) = &self.order else { return };
-        if act.there.is_some_and(|there| now - there >= SAYS) {
+        // A robot that waits at a work cell may do so for long, and tells when it does not.
+        let waits = matches!(act.act, Act::Pick(_))
+            && act.action.as_ref().is_some_and(|action| self.action_state(&action.id).is_some());
+        if !waits && act.there.is_some_and(|there| now - there >= SAYS) {
             self.look_again(now);
         }
     }
@@ -100,6 +112,11 @@ impl RobotSession {
     fn end_of(&self, act: &LegAct, waited: bool) -> Option<ActEnd> {
         let Some(action) = &act.action else { return Some(ActEnd::Done) };
         let (_, state) = self.state.as_ref()?;
+        if matches!(act.act, Act::Pick(_)) {
+            // A robot that does not wait has only to be there.
+            let said = self.action_state(&action.id).map(|said| said.status.is_over());
+            return said.unwrap_or(waited).then_some(ActEnd::Done);
+        }
         let loads = state.loads.as_ref().map(|loads| !loads.is_empty());
         let wanted = matches!(act.act, Act::Lift(_));
         let kind = || action.kind.clone();
@@ -115,7 +132,8 @@ impl RobotSession {
                 waited.then(|| ActEnd::Failed(Notice::FalseFinished { action: kind(), carries: carries() }))
             }
             Some(said) if said.status == ActionStatus::Failed => {
-                let words = said.result.clone().unwrap_or_else(|| "no reason given".to_owned());
+                let words =
+                    act.retry.words().or(said.result.as_deref()).unwrap_or("no reason given").to_owned();
                 Some(ActEnd::Failed(Notice::ActionFailed { action: kind(), words }))
             }
             Some(_) => None,
@@ -127,7 +145,8 @@ impl RobotSession {
     /// Whether what the robot carries shows that an action was done.
     pub(super) fn shows_done(&self, act: &LegAct) -> bool {
         let loads = self.state.as_ref().and_then(|(_, state)| state.loads.as_ref());
-        act.action.is_some() && loads.is_some_and(|loads| loads.is_empty() != matches!(act.act, Act::Lift(_)))
+        let handles = matches!(act.act, Act::Lift(_) | Act::Set(_));
+        handles && loads.is_some_and(|loads| loads.is_empty() != matches!(act.act, Act::Lift(_)))
     }
 
     fn finish(&mut self, act: &LegAct) {

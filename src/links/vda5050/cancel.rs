@@ -46,6 +46,15 @@ impl RobotSession {
         }
     }
 
+    /// How many revocations a drive must know of: one that is being obeyed counts, since the fleet repeats what it
+    /// wanted before until it is.
+    pub(super) fn least_recalls(&self) -> u64 {
+        match &self.order {
+            OrderLife::Cancels { cancel, .. } => cancel.number.unwrap_or(0),
+            OrderLife::Idle | OrderLife::Has(_) => 0,
+        }
+    }
+
     /// Begins to cancel the order that the robot has.
     pub(super) fn begin_cancel(&mut self, now: Time, number: Option<u64>) {
         if let OrderLife::Has(leg) = std::mem::replace(&mut self.order, OrderLife::Idle) {

@@ -7,7 +7,7 @@ use super::pause::{START_PAUSE, STOP_PAUSE};
 use super::session::{AskedAction, RobotSession};
 use giveway_floor::geometry::{Point, to_mm};
 use giveway_floor::time::{Span, Time};
-use giveway_vda5050::{ActionStatus, ConnectionState, Factsheet, OperatingMode};
+use giveway_vda5050::{ActionStatus, ConnectionState, Factsheet, OperatingMode, Parameter};
 use std::fmt;
 
 /// A state is asked for if none came for this long.
@@ -221,9 +221,20 @@ impl RobotSession {
         }
     }
 
+    /// Looks again whether the robot has done what it was asked to do, without parameters.
+    pub(super) fn ask_again(&mut self, now: Time, asked: AskedAction, kind: &str) -> AskedAction {
+        self.ask_again_with(now, asked, kind, Vec::new())
+    }
+
     /// Looks again whether the robot has done what it was asked to do. What a later state does not show at all was
     /// lost, and is sent again, with the same id.
-    pub(super) fn ask_again(&mut self, now: Time, mut asked: AskedAction, kind: &str) -> AskedAction {
+    pub(super) fn ask_again_with(
+        &mut self,
+        now: Time,
+        mut asked: AskedAction,
+        kind: &str,
+        parameters: Vec<Parameter>,
+    ) -> AskedAction {
         const SHOWS: Span = Span::from_millis(1500);
         /// A robot that was asked so often lists no actions: it is asked seldom from then on.
         const OFTEN: u32 = 5;
@@ -232,7 +243,7 @@ impl RobotSession {
         let heard = self.state.as_ref().is_some_and(|(at, _)| *at >= asked.last + shows);
         if heard && self.action_state(&asked.id).is_none() && self.unreachable(now).is_none() {
             (asked.last, asked.tries) = (now, asked.tries + 1);
-            self.instant(kind, &asked.id, Vec::new());
+            self.instant(kind, &asked.id, parameters);
         }
         self.look_again(now);
         asked
@@ -254,11 +265,16 @@ impl RobotSession {
 
     /// Asks for an instant action without parameters.
     pub(super) fn ask(&mut self, now: Time, kind: &str) -> AskedAction {
+        self.ask_with(now, kind, Vec::new())
+    }
+
+    /// Asks for an instant action.
+    pub(super) fn ask_with(&mut self, now: Time, kind: &str, parameters: Vec<Parameter>) -> AskedAction {
         if kind == START_PAUSE {
             self.pause.told = Some(now);
         }
         let id = self.new_id();
-        self.instant(kind, &id, Vec::new());
+        self.instant(kind, &id, parameters);
         AskedAction { id, since: now, last: now, tries: 1 }
     }
 

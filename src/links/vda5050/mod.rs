@@ -11,6 +11,8 @@ mod adopt;
 mod cancel;
 mod charge;
 mod contact;
+mod corridor;
+mod lease;
 mod motion;
 mod notice;
 mod operator;
@@ -19,12 +21,16 @@ mod overtaken;
 mod pause;
 pub mod probe;
 mod report;
+mod retry;
 mod session;
 #[cfg(test)]
 mod tests;
+mod trigger;
 mod trust;
+mod zones;
 
 pub use contact::NotReady;
 pub use notice::Notice;
 pub use operator::{INIT_POSITION, SentAction};
 pub use session::{MessageStamp, RobotHeard, RobotSession, RobotTold, SessionOutput, SessionStart};
+pub use zones::{BlockedArea, closed_areas};

@@ -39,6 +39,11 @@ impl SeenMotion {
         self.poses.back().map(|(_, pose)| *pose)
     }
 
+    /// When the robot was last seen.
+    pub fn seen(&self) -> Option<Time> {
+        self.poses.back().map(|(at, _)| *at)
+    }
+
     /// Whether the robot has not moved for a second, by two poses at least.
     pub fn stands(&self) -> bool {
         let Some((last, pose)) = self.poses.back() else { return false };

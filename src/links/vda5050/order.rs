@@ -185,6 +185,9 @@ impl RobotSession {
         }
         let Some(end) = self.base_end(&wanted) else { return };
         let (reached, acts) = (progress.reached, self.acts_here(&wanted));
+        if (end > reached || acts) && self.mind_trigger(now) {
+            return;
+        }
         match &self.order {
             OrderLife::Idle if end > reached || acts => self.send_leg(now, &wanted, end),
             OrderLife::Has(leg) if leg.sent != UpdateLife::Taken => self.mind_update(now),
@@ -368,7 +371,12 @@ impl RobotSession {
             nodes.is_sorted_by_key(|node| !node.released),
             "what is announced comes after the base"
         );
-        let edges = nodes.windows(2).map(|pair| edge(&pair[0], &pair[1])).collect();
+        let lanes = all.windows(2).map(|ends| (ends[0].1, ends[1].1));
+        let edges = nodes.windows(2).zip(lanes).map(|(ends, (from, to))| Edge {
+            corridor: self.corridor(from, to).filter(|_| !is_temporary(&ends[0].id)),
+            ..edge(&ends[0], &ends[1])
+        });
+        let edges = edges.collect();
         Order { id: id.to_owned(), update, nodes, edges }
     }
 
@@ -483,6 +491,11 @@ fn complaint(leg: &LegOrder, errors: &[RobotError]) -> Option<String> {
         Some(description) => format!("{}: {description}", new.kind),
         None => new.kind.clone(),
     })
+}
+
+/// Whether an id is that of a temporary node, from which the way to the next node is no lane.
+fn is_temporary(node: &str) -> bool {
+    node.starts_with('~')
 }
 
 /// Whether a robot means this node by a name: its own, or that of a temporary node near it.

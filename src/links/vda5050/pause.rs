@@ -67,8 +67,8 @@ impl RobotSession {
     }
 
     /// Whether a pause of the robot is ours although we do not want it any more: it was heard of just after we had told
-    /// one, or just after the robot listed one that it had still to carry out, or the last that it lists is that we told
-    /// one, in this process or an earlier one. Some robots read what they are told long after it was said.
+    /// one, or just after the robot listed one that it had still to carry out, or the last that it lists is that we
+    /// told one, in this process or an earlier one. Some robots read what they are told long after it was said.
     fn is_own_pause(&self) -> bool {
         const JUST: Span = Span::from_secs(3);
         const SETTLES: Span = Span::from_secs(1);
@@ -125,7 +125,7 @@ impl RobotSession {
             (true, PauseState::Stands(since)) if self.says_unpaused_since(since) => {
                 self.pause.stage = PauseState::Stops(self.ask(now, START_PAUSE));
             }
-            (true, PauseState::Stands(since)) => self.note_false_pause(now, since),
+            (true, PauseState::Stands(since)) => self.note_false_pause(since),
             (false, PauseState::Stops(_) | PauseState::Stands(_) | PauseState::Failed) => {
                 self.pause.stage = PauseState::GoesOn(self.ask(now, STOP_PAUSE));
             }
@@ -187,11 +187,12 @@ impl RobotSession {
         };
     }
 
-    /// Notices a robot that says that it is paused, and moves although it had time to brake.
-    fn note_false_pause(&mut self, now: Time, since: Time) {
+    /// Notices a robot that says that it is paused, and was seen to move after it had time to brake.
+    fn note_false_pause(&mut self, since: Time) {
         const MOVES_MPS: f64 = 0.1;
         const BRAKES: Span = Span::from_millis(1500);
-        if now - since >= BRAKES && self.motion.speed_mps() > MOVES_MPS && !self.motion.stands() {
+        let had_time = self.motion.seen().is_some_and(|seen| seen - since >= BRAKES);
+        if had_time && self.motion.speed_mps() > MOVES_MPS && !self.motion.stands() {
             self.notice(Notice::FalsePause);
             self.pause.stage = PauseState::Drives;
         }

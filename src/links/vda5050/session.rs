@@ -7,6 +7,7 @@
 use super::acts::ActFailure;
 use super::charge::ChargeLife;
 use super::contact::Obedience;
+use super::lease::Leases;
 use super::motion::SeenMotion;
 use super::notice::Notice;
 use super::operator::SentAction;
@@ -14,6 +15,7 @@ use super::order::{LegOrder, OrderLife, UpdateLife, first_of};
 use super::overtaken::MessageOrder;
 use super::pause::PauseLife;
 use super::trust::Trust;
+use super::zones::ZoneLife;
 use giveway_fleet::{Command, LinkState, Telemetry, Waypoint};
 use giveway_floor::id::{NodeId, RackId, RobotId};
 use giveway_floor::time::{Span, Time};
@@ -159,6 +161,10 @@ pub struct RobotSession {
     pub(super) motion: SeenMotion,
     pub(super) obedience: Obedience,
     pub(super) pause: PauseLife,
+    /// Whether the fleet limits the robot's speed.
+    pub(super) is_limited: bool,
+    /// What the robot was granted that it asked for.
+    pub(super) leases: Leases,
     pub(super) order: OrderLife,
     pub(super) wanted: Option<WantedDrive>,
     pub(super) progress: Option<RobotProgress>,
@@ -167,6 +173,9 @@ pub struct RobotSession {
     /// When this session first asked for a state.
     pub(super) first_asked: Option<Time>,
     pub(super) charge: ChargeLife,
+    /// The dismissal of a robot that waits at a work cell.
+    pub(super) trigger: Option<AskedAction>,
+    pub(super) zones: ZoneLife,
     /// The length of the map's shortest lane, metres.
     pub(super) shortest_m: f64,
     pub(super) trust: Trust,
@@ -216,12 +225,16 @@ impl RobotSession {
             motion: SeenMotion::default(),
             obedience: Obedience::Unproven,
             pause: PauseLife::default(),
+            is_limited: false,
+            leases: Leases::default(),
             order: OrderLife::Idle,
             wanted: None,
             progress: None,
             adopts: None,
             first_asked: None,
             charge: ChargeLife::Off,
+            trigger: None,
+            zones: ZoneLife::default(),
             shortest_m: shortest_m.max(0.05),
             trust: Trust::default(),
             sent: VecDeque::new(),
@@ -284,13 +297,16 @@ impl RobotSession {
     pub fn command(&mut self, now: Time, command: &Command) -> SessionOutput {
         match command {
             Command::Drive { waypoints, recalls, horizon, .. } => {
-                let obeyed = self.progress.as_ref().is_some_and(|p| *recalls >= p.recalls);
+                let least = self.least_recalls();
+                let obeyed = self.progress.as_ref().is_some_and(|p| *recalls >= p.recalls.max(least));
                 if obeyed {
                     self.wanted =
                         Some(WantedDrive { waypoints: waypoints.clone(), horizon: horizon.clone() });
                 }
             }
-            Command::Limit(limit) => self.pause.wanted = *limit == Some(0.0),
+            Command::Limit(limit) => {
+                (self.is_limited, self.pause.wanted) = (limit.is_some(), *limit == Some(0.0));
+            }
             Command::Revoke { reached, number } => self.revoke(now, *reached, *number),
         }
         self.go_on(now)
@@ -352,7 +368,8 @@ impl RobotSession {
             OrderLife::Idle => "no order".to_owned(),
             OrderLife::Has(leg) => {
                 let taken = if leg.sent == UpdateLife::Taken { "taken" } else { "not taken yet" };
-                format!("{}, update {}, released to visit {}, {taken}", leg.id, leg.update, leg.base)
+                let leaves = if self.leases.held() > 0 { ", may leave its line" } else { "" };
+                format!("{}, update {}, released to visit {}, {taken}{leaves}", leg.id, leg.update, leg.base)
             }
             OrderLife::Cancels { leg, .. } => format!("{} is being cancelled", leg.id),
         }
@@ -367,13 +384,16 @@ impl RobotSession {
         }
         self.ask_for_state(now);
         self.mind_pause(now);
+        self.mind_leases(now);
         self.prove_obedience(now);
         self.ask_for_factsheet(now);
+        self.mind_zones(now);
         if !self.mind_cancel(now) && self.not_ready(now).is_none() {
             self.note_arrival(now);
             if !self.mind_charge(now) {
                 self.mind_order(now);
             }
+            self.mind_retry(now);
             self.ask_about_act(now);
             self.clear_instants(now);
         }

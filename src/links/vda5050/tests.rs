@@ -19,12 +19,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 mod complaints;
+mod corridors;
 mod drawn;
+mod drawn_streets;
 mod fuzz;
+mod handling;
+mod leases;
 mod lies;
 mod losses;
 mod people;
 mod presence;
+mod validity;
+mod zones;
 
 const PERIOD: Span = Span::from_millis(100);
 const FLOOR: &str = "lab";
@@ -37,6 +43,8 @@ struct Pair {
     robot: EmbodiedRobot,
     session: RobotSession,
     number: Option<RobotId>,
+    /// What the fleet last told it to drive.
+    drive: Option<giveway_fleet::Command>,
     joined_at: Option<Time>,
     /// Messages on their way, with their arrival.
     to_robot: Vec<(Time, Message)>,
@@ -97,6 +105,10 @@ struct LinkFloor {
     delay: Span,
     /// What else happens to messages.
     chance: Chance,
+    /// What is closed, as sessions know it.
+    closed: Arc<[BlockedArea]>,
+    /// What is set for the robots' kind.
+    settings: RobotLinkSettings,
 }
 
 /// Faults of the transport, drawn from a seed.
@@ -144,6 +156,11 @@ fn deliver(map: &Warehouse, rack: usize) -> JobRequest {
 
 impl LinkFloor {
     fn new(map: Warehouse, setups: Vec<RobotSetup>) -> LinkFloor {
+        LinkFloor::of_kind(map, setups, settings())
+    }
+
+    /// A floor whose robots are of a kind with these settings.
+    fn of_kind(map: Warehouse, setups: Vec<RobotSetup>, settings: RobotLinkSettings) -> LinkFloor {
         let mut fleet_settings =
             Settings { links: vec!["mqtt".into()], period: PERIOD, ..Settings::default() };
         fleet_settings.site_kinds[0].capabilities = Capabilities {
@@ -152,6 +169,7 @@ impl LinkFloor {
             drives_back: false,
             horizon_nodes: HORIZON,
         };
+        fleet_settings.site_kinds[0].free_navigation = settings.free_navigation;
         let fleet = Fleet::new(Arc::new(map), fleet_settings);
         let mut floor = LinkFloor {
             fleet,
@@ -162,6 +180,8 @@ impl LinkFloor {
             picks: BTreeMap::new(),
             delay: Span::from_millis(100),
             chance: Chance::default(),
+            closed: Arc::default(),
+            settings,
         };
         let map = floor.map();
         let places =
@@ -187,7 +207,7 @@ impl LinkFloor {
         setup.position.map = FLOOR.into();
         setup.last_node = place.name.clone();
         setup.serial = format!("r{}", self.pairs.len());
-        let mut settings = settings();
+        let mut settings = self.settings.clone();
         // Robot C says always that it does not know where it is.
         settings.needs_localized = setup.quirks.localized_flag == LocalizedFlag::Reported;
         let session = RobotSession::new(setup.version, settings.clone(), self.map(), self.boot);
@@ -195,6 +215,7 @@ impl LinkFloor {
             robot: EmbodiedRobot::new(setup),
             session,
             number: None,
+            drive: None,
             joined_at: None,
             to_robot: Vec::new(),
             to_fleet: Vec::new(),
@@ -213,6 +234,7 @@ impl LinkFloor {
     /// One control period.
     fn step(&mut self, requests: Vec<Input>) {
         let mut inputs = requests;
+        self.tell_closed();
         for i in 0..self.pairs.len() {
             self.hear(i, &mut inputs);
         }
@@ -221,6 +243,9 @@ impl LinkFloor {
         self.note(&step.facts);
         for (robot, command) in step.urgent.iter().chain(&step.commands) {
             let i = self.pairs.iter().position(|pair| pair.number == Some(*robot)).expect("it has joined");
+            if matches!(command, giveway_fleet::Command::Drive { .. }) {
+                self.pairs[i].drive = Some(command.clone());
+            }
             let out = self.pairs[i].session.command(self.now, command);
             self.take(i, out, &mut Vec::new());
         }
@@ -479,7 +504,9 @@ fn header(version: Version) -> Header {
 
 /// A message as it travels: written by one side, read by the other.
 fn travel(kind: TopicKind, message: &Message, version: Version) -> Message {
-    let text = write(&header(version), message, version).to_string();
+    let written = write(&header(version), message, version);
+    assert_eq!(validity::faults(kind, version, &written), "", "{written}");
+    let text = written.to_string();
     let said = read(kind, text.as_bytes()).expect("what is written can be read");
     assert_eq!(said.oddities, [], "{text}");
     said.message
@@ -491,7 +518,7 @@ fn heard(message: Message, stamp: MessageStamp) -> Option<RobotHeard> {
         Message::Visualization(seen) => Some(RobotHeard::Visualization(seen, stamp)),
         Message::Connection(connection) => Some(RobotHeard::Connection(connection)),
         Message::Factsheet(factsheet) => Some(RobotHeard::Factsheet(factsheet)),
-        Message::Order(_) | Message::InstantActions(_) => None,
+        Message::Order(_) | Message::InstantActions(_) | Message::ZoneSet(_) | Message::Responses(_) => None,
     }
 }
 

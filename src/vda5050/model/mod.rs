@@ -5,15 +5,19 @@
 //! that neither this master nor this robot has a use for.
 
 pub mod action;
+pub mod answer;
 pub mod error;
 pub mod factsheet;
 pub mod order;
 pub mod state;
+pub mod zone;
 
 use action::Action;
+use answer::Response;
 use factsheet::Factsheet;
 use order::Order;
 use state::{ConnectionState, State, Visualization};
+use zone::ZoneSet;
 
 /// What every message begins with.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,6 +41,10 @@ pub enum Message {
     Order(Order),
     /// What to do at once.
     InstantActions(Vec<Action>),
+    /// Areas with rules, 3.0.
+    ZoneSet(ZoneSet),
+    /// Answers to what the robot asks for, 3.0.
+    Responses(Vec<Response>),
     /// A robot's state.
     State(Box<State>),
     /// Where a robot is.

@@ -4,6 +4,7 @@
 
 use super::action::ActionState;
 use super::error::RobotError;
+use super::zone::StoredZoneSet;
 
 /// The state of a robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +49,8 @@ pub struct State {
     pub field_violation: bool,
     /// What it asks for, 3.0: zones to enter, corridors to use.
     pub requests: Vec<Request>,
+    /// The zone sets that it has stored, 3.0.
+    pub zone_sets: Vec<StoredZoneSet>,
 }
 
 /// A node or an edge that is still to be driven.

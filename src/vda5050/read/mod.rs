@@ -4,8 +4,9 @@
 //! missing, misspelled or impossible becomes an oddity and the careful value, unless a guess would do harm. A field
 //! that is `null` or has a wrong form is missing. The work grows with the payload's size alone, within [`MOST_BYTES`],
 //! [`MOST_PARTS`], [`LONGEST_LIST`], [`LONGEST_TEXT`] and [`MOST_ODDITIES`]. Refuses: to check what a message says
-//! against other messages; zone sets and responses, for which the model has no place yet.
+//! against other messages.
 
+mod answer;
 mod factsheet;
 mod object;
 mod oddity;
@@ -57,9 +58,6 @@ pub struct Read {
 /// # Errors
 /// Why the payload cannot be read: it is too large, no JSON object, or lacks something that cannot be guessed.
 pub fn read(kind: TopicKind, payload: &[u8]) -> Result<Read, Unreadable> {
-    if matches!(kind, TopicKind::ZoneSet | TopicKind::Responses) {
-        return Err(Unreadable::Unsupported { kind });
-    }
     let notes = Notes::new();
     let fields = parse::object(payload, &notes)?;
     let top = ObjectReader::message(&fields, &notes);
@@ -73,7 +71,8 @@ pub fn read(kind: TopicKind, payload: &[u8]) -> Result<Read, Unreadable> {
         TopicKind::Visualization => Message::Visualization(state::visualization(&top)),
         TopicKind::Connection => Message::Connection(state::connection(&top)?),
         TopicKind::Factsheet => Message::Factsheet(Box::new(factsheet::factsheet(&top))),
-        TopicKind::ZoneSet | TopicKind::Responses => return Err(Unreadable::Unsupported { kind }),
+        TopicKind::ZoneSet => Message::ZoneSet(answer::zone_set(&top)?),
+        TopicKind::Responses => Message::Responses(answer::responses(&top)?),
     };
     Ok(Read { header, message, oddities: notes.into_oddities() })
 }

@@ -4,7 +4,6 @@
 //! from the message, such as `nodeStates[3].nodePosition.x`. Refuses: to rank oddities, and to repeat long texts.
 
 use super::{LONGEST_LIST, LONGEST_TEXT, MOST_BYTES, MOST_PARTS};
-use crate::topic::TopicKind;
 use std::fmt;
 
 /// Something in a message that is not as the standard wants it, and what was made of it.
@@ -156,11 +155,5 @@ pub enum Unreadable {
     Missing {
         /// Where.
         place: String,
-    },
-    /// Messages of this kind are not read yet.
-    #[error("messages of the topic {} are not read yet", .kind.level())]
-    Unsupported {
-        /// The kind.
-        kind: TopicKind,
     },
 }

@@ -11,6 +11,7 @@ use crate::model::error::{ErrorReference, RobotError};
 use crate::model::state::{
     ConnectionState, Load, NodeLeft, Position, Power, Request, RequestSubject, State, Velocity, Visualization,
 };
+use crate::model::zone::StoredZoneSet;
 use crate::vocabulary::{WireName, names, words};
 
 pub(super) fn state(top: &ObjectReader<'_>) -> Result<State, Unreadable> {
@@ -36,6 +37,7 @@ pub(super) fn state(top: &ObjectReader<'_>) -> Result<State, Unreadable> {
         e_stop: safety.word_or_careful(&names::E_STOP, &words::E_STOP)?,
         field_violation: safety.flag_or(&names::FIELD_VIOLATION, false),
         requests: requests(top),
+        zone_sets: top.readable(&names::ZONE_SETS, stored_zone_set).unwrap_or_default(),
     })
 }
 
@@ -130,6 +132,14 @@ fn robot_error(object: &ObjectReader<'_>) -> Result<RobotError, Unreadable> {
         references: object.readable(&names::ERROR_REFERENCES, reference).unwrap_or_default(),
         description: object.text(&names::ERROR_DESCRIPTION),
         hint: object.text(&names::ERROR_HINT),
+    })
+}
+
+fn stored_zone_set(object: &ObjectReader<'_>) -> Result<StoredZoneSet, Unreadable> {
+    Ok(StoredZoneSet {
+        id: object.need_text(&names::ZONE_SET_ID)?,
+        map: object.text_or_empty(&names::MAP),
+        enabled: object.word_or_careful(&names::ZONE_SET_STATUS, &words::ZONE_SET_STATUS)?,
     })
 }
 

@@ -34,6 +34,10 @@ pub(super) enum ErrorEnd {
     OrdersAllowed,
     /// When the robot is localised.
     Localized,
+    /// When it is granted what it has lost, or needs it no more.
+    ReleaseGranted,
+    /// When the robot is out of the zone.
+    ZoneLeft,
 }
 
 /// Why an order is rejected.
@@ -219,13 +223,13 @@ impl VirtualRobot {
         self.forget_errors(&[ErrorEnd::OrdersAllowed]);
     }
 
-    fn forget_errors(&mut self, ends: &[ErrorEnd]) {
+    pub(super) fn forget_errors(&mut self, ends: &[ErrorEnd]) {
         if self.setup.quirks.error_memory != ErrorMemory::ForEver {
             self.errors.retain(|standing| !ends.contains(&standing.until));
         }
     }
 
-    fn complain(
+    pub(super) fn complain(
         &mut self,
         kind: &str,
         level: ErrorLevel,

@@ -310,6 +310,8 @@ impl VirtualRobot {
             && !self.is_field_violated
             && self.is_localized
             && !self.order.is_stranded
+            && !self.waits_for_release()
+            && !self.is_blocked()
             && now_us >= self.order.dwell_until_us
             && !self.actions.iter().any(|entry| entry.blocks_driving())
     }
@@ -331,10 +333,11 @@ impl VirtualRobot {
 
     /// The released way to the next node at which the robot must stand.
     fn path(&self) -> Vec<PathPoint> {
-        let mut path = Vec::new();
+        let (mut path, mut from) = (Vec::new(), (self.body.x, self.body.y));
         for (i, (held, way)) in self.order.nodes.iter().zip(&self.order.edges).take(PATH_MOST).enumerate() {
             let place = self.place_of(&held.node).filter(|_| held.node.released && way.edge.released);
-            let Some((x, y)) = place else { break };
+            let Some((x, y)) = place.filter(|to| !self.is_barred(from, *to)) else { break };
+            from = (x, y);
             let position = held.node.position.as_ref();
             let heading = position.and_then(|p| Some((p.theta?, p.deviation_rad.unwrap_or(0.0))));
             let speed_mps = way.edge.max_speed_mps.unwrap_or(f64::INFINITY);

@@ -206,13 +206,16 @@ impl VirtualRobot {
     }
 
     fn obey_3_0(&mut self, action: &Action) -> InstantOutcome {
-        let meant = parameter(action, "actionId").and_then(Value::as_str).unwrap_or("").to_owned();
+        let text = |key| parameter(action, key).and_then(Value::as_str).unwrap_or("").to_owned();
+        let (meant, set) = (text("actionId"), text("zoneSetId"));
         let (is_done, why) = match action.kind.as_str() {
             "clearInstantActions" => {
                 self.instants.clear_over();
                 (true, "")
             }
             "trigger" => (self.pull_trigger(), "no action waits for a trigger"),
+            "enableZoneSet" => (self.enable_zone_set(&set), "there is no such zone set"),
+            "deleteZoneSet" => (self.delete_zone_set(&set), "there is no such zone set that is not in force"),
             "retry" => (self.decide_retry(&meant, true), "no such action is RETRIABLE"),
             "skipRetry" => (self.decide_retry(&meant, false), "no such action is RETRIABLE"),
             _ => (false, "the robot does not know the action"),

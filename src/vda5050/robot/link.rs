@@ -128,6 +128,8 @@ impl VirtualRobot {
             match self.inbox.pop_front() {
                 Some(Message::Order(order)) => self.take_order(order),
                 Some(Message::InstantActions(actions)) => self.take_instants(actions),
+                Some(Message::ZoneSet(set)) => self.take_zone_set(set),
+                Some(Message::Responses(responses)) => self.take_responses(&responses),
                 Some(_) => {}
                 None => break,
             }

@@ -5,7 +5,7 @@
 //! [`RobotQuirks`] (habits and lies).
 //! Time, messages and the body's report come in, messages and the body's command go out; the same calls give the same
 //! answers. Source: VDA 5050, section 6 of each version. Refuses: clocks, input and output, randomness,
-//! faults of the transport (they come from outside), and what no master here uses: zones, downloads, hibernation.
+//! faults of the transport (they come from outside), and what no master here uses: downloads, hibernation, most zones.
 
 mod acceptance;
 mod actions;
@@ -17,10 +17,12 @@ mod instant;
 mod link;
 mod quirks;
 mod report;
+mod requests;
 mod setup;
 #[cfg(test)]
 mod tests;
 mod wire;
+mod zones;
 
 pub use body::{BodyCommand, BodyLimits, BodyMotion, BodyReport, PathPoint, VirtualBody};
 pub use embodied::EmbodiedRobot;
@@ -46,7 +48,9 @@ use execution::{HeldOrder, PauseStage};
 use instant::InstantList;
 use link::LinkStage;
 use report::Reporting;
+use requests::RequestList;
 use std::collections::VecDeque;
+use zones::ZoneStore;
 
 /// The protocol side of a robot.
 #[derive(Clone, Debug)]
@@ -73,6 +77,8 @@ pub struct VirtualRobot {
     outbox: Vec<RobotMessage>,
     placed: Option<(f64, f64, f64)>,
     reporting: Reporting,
+    requests: RequestList,
+    zones: ZoneStore,
 }
 
 /// What a robot carries besides its wheels.
@@ -141,6 +147,8 @@ impl VirtualRobot {
             outbox: Vec::new(),
             placed: None,
             reporting: Reporting::default(),
+            requests: RequestList::default(),
+            zones: ZoneStore::new(&setup.zone_sets),
             setup,
         }
     }
@@ -160,6 +168,8 @@ impl VirtualRobot {
         self.pass_nodes(now_us, &body.reached);
         self.use_battery(elapsed_us);
         self.listen(received);
+        self.note_blocked();
+        self.ask_for_releases(now_us);
         self.work(elapsed_us);
         self.settle_pause();
         self.settle_cancel();

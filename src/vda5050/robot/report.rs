@@ -108,7 +108,8 @@ impl VirtualRobot {
             errors: self.errors.iter().map(|standing| standing.error.clone()).collect(),
             e_stop: self.e_stop,
             field_violation: self.is_field_violated,
-            requests: Vec::new(),
+            requests: self.requests.to_states(),
+            zone_sets: self.zones.to_states(),
         }
     }
 

@@ -10,8 +10,9 @@ use super::quirks::{
     PauseHabit, PausedFlag, ReadingHabit, ReconnectHabit, RejectionWords, RepeatedPause, ReportedBase,
     RobotQuirks, StartRule, StateHabit, StitchedActions, UnreadableReply, VelocityFlag, VersionCheck,
 };
-use crate::model::factsheet::Factsheet;
+use crate::model::factsheet::{ActionScope, Factsheet, OfferedAction};
 use crate::model::state::Position;
+use crate::model::zone::ZoneSet;
 use crate::version::Version;
 use std::collections::BTreeMap;
 
@@ -39,6 +40,8 @@ pub struct RobotSetup {
     pub visualization_interval_us: Option<i64>,
     /// Its answer to `factsheetRequest`; nothing if it has none.
     pub factsheet: Option<Factsheet>,
+    /// The zone sets that it has stored from the start, 3.0: the first one of each map is in force.
+    pub zone_sets: Vec<ZoneSet>,
     /// Whether it sends the factsheet by itself when it comes online.
     pub announces_factsheet: bool,
     /// What it can do.
@@ -130,13 +133,39 @@ impl RobotSetup {
                 speed_mps: Some(body.speed_mps),
                 accel_mps2: Some(body.accel_mps2),
                 brake_mps2: Some(body.brake_mps2),
+                zones: if version >= Version::V3_0 {
+                    vec!["BLOCKED".into(), "RELEASE".into()]
+                } else {
+                    Vec::new()
+                },
+                actions: (version >= Version::V3_0).then(RobotSetup::offered),
                 ..Factsheet::default()
             }),
+            zone_sets: Vec::new(),
             announces_factsheet: true,
             abilities: RobotAbilities::default(),
             body,
             quirks: RobotQuirks::default(),
         }
+    }
+
+    /// What a robot of 3.0 says that it offers: all that it can do.
+    fn offered() -> Vec<OfferedAction> {
+        use ActionScope::{AtOnce, Edge, Node};
+        let of = |scopes: &[ActionScope], kinds: &[&str]| -> Vec<OfferedAction> {
+            let one = |kind: &&str| OfferedAction { kind: (*kind).to_owned(), scopes: scopes.to_vec() };
+            kinds.iter().map(one).collect()
+        };
+        let mut all = of(
+            &[AtOnce],
+            &["startPause", "stopPause", "cancelOrder", "stateRequest", "factsheetRequest", "logReport"],
+        );
+        all.extend(of(&[AtOnce], &["trigger", "retry", "skipRetry", "deleteZoneSet"]));
+        all.extend(of(&[AtOnce, Node], &["startCharging", "stopCharging", "initializePosition"]));
+        all.extend(of(&[AtOnce, Node], &["clearInstantActions", "enableZoneSet"]));
+        all.extend(of(&[Node, Edge], &["pick", "drop", "detectObject", "finePositioning"]));
+        all.extend(of(&[Node], &["waitForTrigger"]));
+        all
     }
 
     /// A robot that behaves as robot A was measured: npm `vda-5050-lib` 1.4.0, which speaks 2.0.

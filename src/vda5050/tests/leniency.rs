@@ -315,10 +315,32 @@ fn a_factsheet_of_the_tag_3_0_0_has_a_blank_in_a_key() {
 }
 
 #[test]
-fn zone_sets_and_responses_are_refused() {
-    for kind in [TopicKind::ZoneSet, TopicKind::Responses] {
-        assert_eq!(read_value(kind, &json!({})), Err(Unreadable::Unsupported { kind }));
+fn an_answer_that_cannot_be_read_grants_nothing_and_does_not_stop_others() {
+    let responses = json!({"responses": [
+        {"requestId": "1", "responseType": "granted", "leaseExpiry": "2026-11-30T12:00:00.5Z"},
+        {"requestId": "2", "grantType": "GRANTED", "leaseExpiry": "soon"},
+        {"grantType": "GRANTED"},
+        {"requestId": "4", "grantType": "PERHAPS"},
+    ]});
+    let read = read_value(TopicKind::Responses, &responses).expect("readable");
+    let Message::Responses(read) = read.message else { panic!() };
+    let said: Vec<_> = read.iter().map(|r| (r.request.as_str(), r.grant, r.until_us)).collect();
+    let half_past = Some(1_796_040_000_500_000);
+    assert_eq!(said, [("1", Grant::Granted, half_past), ("4", Grant::Rejected, None)]);
+}
+
+#[test]
+fn a_zone_set_is_read_as_a_whole_and_nobody_enters_a_zone_with_an_unknown_rule() {
+    let corner = |x: f64, y: f64| json!({"x": x, "y": y});
+    let corners = json!([corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0)]);
+    let set = |vertices: &Value| {
+        let zone = json!({"zoneId": "z", "zoneType": "LAVA", "vertices": vertices});
+        json!({"zoneSet": {"zoneSetId": "s", "mapId": "m", "zones": [zone]}})
+    };
+    let read = read_value(TopicKind::ZoneSet, &set(&corners)).expect("readable");
+    let Message::ZoneSet(read) = read.message else { panic!() };
+    assert_eq!((read.zones[0].kind, read.zones[0].corners.len()), (ZoneKind::Blocked, 3));
+    for wrong in [json!([]), json!([corner(0.0, 0.0)]), json!([{"x": 1}, {"x": 2}, {"x": 3}])] {
+        assert!(read_value(TopicKind::ZoneSet, &set(&wrong)).is_err(), "{wrong}");
     }
-    let refused = refusal(TopicKind::ZoneSet, &json!({}));
-    assert_eq!(refused, "messages of the topic zoneSet are not read yet");
 }

@@ -19,6 +19,8 @@ fn kind_of(message: &Message) -> TopicKind {
     match message {
         Message::Order(_) => TopicKind::Order,
         Message::InstantActions(_) => TopicKind::InstantActions,
+        Message::ZoneSet(_) => TopicKind::ZoneSet,
+        Message::Responses(_) => TopicKind::Responses,
         Message::State(_) => TopicKind::State,
         Message::Visualization(_) => TopicKind::Visualization,
         Message::Connection(_) => TopicKind::Connection,

@@ -13,7 +13,7 @@ proptest! {
     fn what_is_written_in_any_version_reads_as_it_was_up_to_what_the_version_cannot_say(
         header in header(), message in message(Numbers::Sane),
     ) {
-        for version in Version::ALL {
+        for version in Version::ALL.into_iter().filter(|version| kind_of(&message).is_in(*version)) {
             let payload = write(&header, &message, version).to_string();
             let read = read(kind_of(&message), payload.as_bytes()).expect("readable");
             prop_assert_eq!(&read.message, &as_said(&message, version), "{}", version);

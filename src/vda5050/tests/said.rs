@@ -6,6 +6,9 @@
 use crate::*;
 use std::f64::consts::{PI, TAU};
 
+/// The first instant of the year 10000, microseconds.
+const YEAR_10000_US: i64 = 253_402_300_800_000_000;
+
 /// What a reader can know of a message that was written in a version.
 pub(super) fn as_said(message: &Message, version: Version) -> Message {
     let mut message = message.clone();
@@ -35,6 +38,15 @@ pub(super) fn as_said(message: &Message, version: Version) -> Message {
             }
         }
         Message::Factsheet(sheet) => factsheet_as_said(sheet, version),
+        Message::ZoneSet(_) => {}
+        Message::Responses(responses) => {
+            for response in responses {
+                // Milliseconds of the years 1970 to 9999; only what is granted ends.
+                response.until_us = response.until_us.filter(|_| response.grant == Grant::Granted);
+                response.until_us =
+                    response.until_us.map(|us| us.clamp(0, YEAR_10000_US - 1) / 1_000 * 1_000);
+            }
+        }
     }
     message
 }
@@ -74,6 +86,7 @@ fn state_as_said(state: &mut State, version: Version) {
         return;
     }
     state.requests.clear();
+    state.zone_sets.clear();
     state.actions.append(&mut state.instant_actions);
     for action in &mut state.actions {
         action.status = match (version, action.status) {

@@ -82,6 +82,8 @@ pub(super) fn message(numbers: Numbers) -> BoxedStrategy<Message> {
         1 => vec(action(), 0..4).prop_map(Message::InstantActions),
         3 => state(numbers).prop_map(|state| Message::State(Box::new(state))),
         1 => visualization(numbers).prop_map(Message::Visualization),
+        1 => zone_set(numbers).prop_map(Message::ZoneSet),
+        1 => vec(response(), 0..4).prop_map(Message::Responses),
         1 => connection().prop_map(Message::Connection),
         1 => factsheet(numbers).prop_map(|sheet| Message::Factsheet(Box::new(sheet))),
     ]
@@ -160,30 +162,30 @@ fn state(numbers: Numbers) -> impl Strategy<Value = State> {
     let flags = (option::of(any::<bool>()), any::<bool>(), any::<bool>(), any::<bool>());
     let load = (option::of(text()), option::of(text())).prop_map(|(id, kind)| Load { id, kind });
     let body = (option::of(vec(load, 0..3)), option::of(numbers.up_to(1.0)), mode(), e_stop());
-    (order, lists, motion, flags, body, (vec(robot_error(), 0..3), vec(request(), 0..3))).prop_map(
-        |(order, lists, motion, flags, body, rest)| State {
-            order: order.0,
-            update: order.1,
-            last_node: order.2,
-            last_sequence: order.3,
-            nodes: lists.0,
-            edges: lists.1,
-            actions: lists.2,
-            instant_actions: lists.3,
-            position: motion.0,
-            velocity: motion.1,
-            driving: motion.2,
-            paused: flags.0,
-            wants_base: flags.1,
-            field_violation: flags.2,
-            loads: body.0,
-            power: Power { charge: body.1, charging: flags.3 },
-            mode: body.2,
-            e_stop: body.3,
-            errors: rest.0,
-            requests: rest.1,
-        },
-    )
+    let rest = (vec(robot_error(), 0..3), vec(request(), 0..3), vec(stored_zone_set(), 0..3));
+    (order, lists, motion, flags, body, rest).prop_map(|(order, lists, motion, flags, body, rest)| State {
+        order: order.0,
+        update: order.1,
+        last_node: order.2,
+        last_sequence: order.3,
+        nodes: lists.0,
+        edges: lists.1,
+        actions: lists.2,
+        instant_actions: lists.3,
+        position: motion.0,
+        velocity: motion.1,
+        driving: motion.2,
+        paused: flags.0,
+        wants_base: flags.1,
+        field_violation: flags.2,
+        loads: body.0,
+        power: Power { charge: body.1, charging: flags.3 },
+        mode: body.2,
+        e_stop: body.3,
+        errors: rest.0,
+        requests: rest.1,
+        zone_sets: rest.2,
+    })
 }
 
 fn left() -> impl Strategy<Value = NodeLeft> {
@@ -250,6 +252,29 @@ fn request() -> impl Strategy<Value = Request> {
         subject,
         status,
     })
+}
+
+fn stored_zone_set() -> impl Strategy<Value = StoredZoneSet> {
+    (text(), text(), any::<bool>()).prop_map(|(id, map, enabled)| StoredZoneSet { id, map, enabled })
+}
+
+fn response() -> impl Strategy<Value = Response> {
+    use Grant::*;
+    let grant = prop::sample::select(vec![Granted, Queued, Revoked, Rejected]);
+    let until = prop_oneof![any::<i64>(), 0..4_000_000_000_000_000_i64];
+    (text(), grant, option::of(until)).prop_map(|(request, grant, until_us)| Response {
+        request,
+        grant,
+        until_us,
+    })
+}
+
+fn zone_set(numbers: Numbers) -> impl Strategy<Value = ZoneSet> {
+    let kind = prop::sample::select(vec![ZoneKind::Blocked, ZoneKind::Release]);
+    let least = if numbers == Numbers::Sane { 3 } else { 0 };
+    let corners = vec((numbers.length(), numbers.length()), least..6);
+    let zone = (text(), kind, corners).prop_map(|(id, kind, corners)| Zone { id, kind, corners });
+    (text(), text(), vec(zone, 0..3)).prop_map(|(id, map, zones)| ZoneSet { id, map, zones })
 }
 
 fn visualization(numbers: Numbers) -> impl Strategy<Value = Visualization> {

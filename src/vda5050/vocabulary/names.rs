@@ -98,8 +98,20 @@ pub(crate) const REQUEST_TYPE: WireName = WireName::since_3_0("requestType");
 pub(crate) const REQUEST_STATUS: WireName = WireName::since_3_0("requestStatus");
 pub(crate) const ZONE_ID: WireName = WireName::since_3_0("zoneId");
 pub(crate) const ZONE_SET_ID: WireName = WireName::since_3_0("zoneSetId");
+pub(crate) const ZONE_SETS: WireName = WireName::since_3_0("zoneSets");
+pub(crate) const ZONE_SET_STATUS: WireName = WireName::since_3_0("zoneSetStatus");
 pub(crate) const STATE_HEADER: WireName = WireName::since_3_0("referenceStateHeaderId");
 pub(crate) const CONNECTION: WireName = WireName::same("connectionState");
+
+// Responses and zone sets. The text of 3.0.0 calls the grant type otherwise than its schema.
+pub(crate) const RESPONSES: WireName = WireName::since_3_0("responses");
+pub(crate) const GRANT_TYPE: WireName = WireName::since_3_0("grantType").also(&["responseType"]);
+pub(crate) const LEASE_EXPIRY: WireName = WireName::since_3_0("leaseExpiry");
+pub(crate) const ZONE_SET: WireName = WireName::since_3_0("zoneSet");
+pub(crate) const ZONES_OF_SET: WireName = WireName::since_3_0("zones");
+pub(crate) const ZONE_TYPE: WireName = WireName::since_3_0("zoneType");
+pub(crate) const VERTICES: WireName = WireName::since_3_0("vertices");
+pub(crate) const RELEASE_LOSS: WireName = WireName::since_3_0("releaseLossBehavior");
 
 // Factsheets: the type and the body.
 pub(crate) const TYPE: WireName = WireName::same("typeSpecification");

@@ -5,9 +5,11 @@
 
 use super::WireWords;
 use crate::model::action::{ActionStatus, BlockingType};
+use crate::model::answer::Grant;
 use crate::model::error::ErrorLevel;
 use crate::model::factsheet::ActionScope;
 use crate::model::state::{ConnectionState, EStop, OperatingMode, RequestStatus};
+use crate::model::zone::ZoneKind;
 
 const fn same(word: &'static str) -> [Option<&'static str>; 3] {
     [Some(word); 3]
@@ -114,6 +116,27 @@ pub(crate) const REQUEST_STATUS: WireWords<RequestStatus> = WireWords {
 /// Whether a robot asks for another way through a zone (`REPLANNING`), not for the way that it has.
 pub(crate) const ZONE_REQUEST_TYPE: WireWords<bool> =
     WireWords { rows: &[(false, same("ACCESS")), (true, same("REPLANNING"))], careful: Some(false) };
+
+/// What a master answers. With an unknown word nothing is granted.
+pub(crate) const GRANT: WireWords<Grant> = WireWords {
+    rows: &[
+        (Grant::Granted, same("GRANTED")),
+        (Grant::Queued, same("QUEUED")),
+        (Grant::Revoked, same("REVOKED")),
+        (Grant::Rejected, same("REJECTED")),
+    ],
+    careful: Some(Grant::Rejected),
+};
+
+/// The rule of a zone. Nobody enters one with an unknown rule.
+pub(crate) const ZONE_KIND: WireWords<ZoneKind> = WireWords {
+    rows: &[(ZoneKind::Blocked, same("BLOCKED")), (ZoneKind::Release, same("RELEASE"))],
+    careful: Some(ZoneKind::Blocked),
+};
+
+/// Whether a stored zone set is in force. An unknown word says that it is not.
+pub(crate) const ZONE_SET_STATUS: WireWords<bool> =
+    WireWords { rows: &[(true, same("ENABLED")), (false, same("DISABLED"))], careful: Some(false) };
 
 /// The type of all requests about edges.
 pub(crate) const EDGE_REQUEST_TYPE: &str = "CORRIDOR";

@@ -4,6 +4,7 @@
 //! for is not written. A number that is not finite is left out, and so is the object that cannot be without it; angles
 //! are brought to [-π, π], and magnitudes below 0 are written as 0. Refuses: to check orders, and to shorten texts.
 
+mod answer;
 mod factsheet;
 mod object;
 mod order;
@@ -26,6 +27,8 @@ pub fn write(header: &Header, message: &Message, version: Version) -> Value {
     match message {
         Message::Order(order) => order::order(&mut top, order),
         Message::InstantActions(actions) => order::instant_actions(&mut top, actions),
+        Message::ZoneSet(set) => answer::zone_set(&mut top, set),
+        Message::Responses(responses) => answer::responses(&mut top, responses),
         Message::State(state) => state::state(&mut top, state),
         Message::Visualization(visualization) => state::visualization(&mut top, visualization),
         Message::Connection(connection) => top.word(&names::CONNECTION, &words::CONNECTION, *connection),

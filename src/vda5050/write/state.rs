@@ -8,6 +8,7 @@ use crate::model::error::{ErrorReference, RobotError};
 use crate::model::state::{
     Load, NodeLeft, Position, Request, RequestSubject, State, Velocity, Visualization,
 };
+use crate::model::zone::StoredZoneSet;
 use crate::vocabulary::{WireName, names, words};
 
 pub(super) fn state(top: &mut ObjectWriter, state: &State) {
@@ -40,6 +41,11 @@ pub(super) fn state(top: &mut ObjectWriter, state: &State) {
         safety.put(&names::FIELD_VIOLATION, state.field_violation);
     });
     requests(top, &state.requests);
+    top.list(&names::ZONE_SETS, &state.zone_sets, |object, set: &StoredZoneSet| {
+        object.put(&names::ZONE_SET_ID, set.id.as_str());
+        object.put(&names::MAP, set.map.as_str());
+        object.word(&names::ZONE_SET_STATUS, &words::ZONE_SET_STATUS, set.enabled);
+    });
 }
 
 pub(super) fn visualization(top: &mut ObjectWriter, visualization: &Visualization) {

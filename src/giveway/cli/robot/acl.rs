@@ -86,8 +86,7 @@ fn topics(interface: &str, robot: &ListedRobot, writes: impl Fn(TopicKind) -> bo
         None => vec![Version::V2_1, Version::V3_0],
     };
     for version in levels {
-        let is_new = |kind| matches!(kind, TopicKind::ZoneSet | TopicKind::Responses);
-        for kind in TopicKind::ALL.into_iter().filter(|kind| version == Version::V3_0 || !is_new(*kind)) {
+        for kind in TopicKind::ALL.into_iter().filter(|kind| kind.is_in(version)) {
             let right = if writes(kind) { "write" } else { "read" };
             let _ = writeln!(text, "topic {right} {}", robot.address.topic(interface, version, kind));
         }

@@ -59,7 +59,9 @@ impl RobotClient {
 
     /// The topics that the robot listens to.
     pub fn topics(&self) -> Vec<String> {
-        [TopicKind::Order, TopicKind::InstantActions].map(|kind| self.topic(kind)).to_vec()
+        let version = self.robot.setup().version;
+        let is_for_it = |kind: &TopicKind| !kind.is_from_robot() && kind.is_in(version);
+        TopicKind::ALL.into_iter().filter(is_for_it).map(|kind| self.topic(kind)).collect()
     }
 
     /// What the broker says for the robot when it is lost.
@@ -146,6 +148,7 @@ impl RobotClient {
         robot.set_e_stop(if has(RobotCondition::EStop) { EStop::Manual } else { EStop::None });
         robot.set_field_violation(has(RobotCondition::FieldViolated));
         robot.set_handling_fault(has(RobotCondition::HandlingFails));
+        robot.set_obstructed(has(RobotCondition::Obstructed));
         let mode = if has(RobotCondition::Manual) { OperatingMode::Manual } else { OperatingMode::Automatic };
         if robot.state().mode != mode {
             robot.set_mode(mode);

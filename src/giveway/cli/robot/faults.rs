@@ -68,6 +68,8 @@ pub enum RobotCondition {
     FieldViolated,
     /// Its `pick` and `drop` fail.
     HandlingFails,
+    /// Something is in its way on its line.
+    Obstructed,
 }
 
 /// The faults of one robot.
@@ -76,7 +78,7 @@ pub struct RobotFaults {
     faults: Vec<RobotFault>,
 }
 
-const FAULTS: [&str; 13] = [
+const FAULTS: [&str; 14] = [
     "loss",
     "doubled",
     "reordered",
@@ -90,6 +92,7 @@ const FAULTS: [&str; 13] = [
     "not_localized",
     "field_violated",
     "handling_fails",
+    "obstructed",
 ];
 
 #[derive(Deserialize)]
@@ -302,6 +305,7 @@ fn condition(word: &str) -> Option<RobotCondition> {
         "not_localized" => RobotCondition::NotLocalized,
         "field_violated" => RobotCondition::FieldViolated,
         "handling_fails" => RobotCondition::HandlingFails,
+        "obstructed" => RobotCondition::Obstructed,
         _ => return None,
     })
 }

@@ -118,7 +118,7 @@ impl RobotProbe {
                 self.said.take_state(now, state);
             }
             Message::Visualization(seen) => self.said.take_pose(now, seen.position.as_ref()),
-            Message::Order(_) | Message::InstantActions(_) => {}
+            Message::Order(_) | Message::InstantActions(_) | Message::ZoneSet(_) | Message::Responses(_) => {}
         }
     }
 

@@ -19,14 +19,14 @@ impl LinkFloor {
     }
 
     /// The session with the robot hears this, from whomever.
-    fn says(&mut self, said: RobotHeard) {
+    pub(super) fn says(&mut self, said: RobotHeard) {
         let (out, mut inputs) = (self.pairs[0].session.hear(self.now, said), Vec::new());
         self.take(0, out, &mut inputs);
         self.step(inputs);
     }
 
     /// What the robot was told since a time: `order`, or the type of an instant action.
-    fn told_since(&self, since: Time) -> Vec<&str> {
+    pub(super) fn told_since(&self, since: Time) -> Vec<&str> {
         let told = self.pairs[0].told.iter().filter(|(at, ..)| *at >= since);
         told.flat_map(|(.., message)| match message {
             Message::InstantActions(actions) => actions.iter().map(|a| a.kind.as_str()).collect(),
@@ -36,7 +36,7 @@ impl LinkFloor {
         .collect()
     }
 
-    fn orders(&self) -> Vec<&Order> {
+    pub(super) fn orders(&self) -> Vec<&Order> {
         let told = self.pairs[0].told.iter();
         told.filter_map(|(.., message)| if let Message::Order(order) = message { Some(order) } else { None })
             .collect()

@@ -109,3 +109,30 @@ fn a_pause_that_a_robot_carries_out_after_it_was_told_to_go_on_is_lifted_and_not
     assert_eq!(count(&floor, began, "stopPause"), 1);
     assert!(!floor.pairs[0].session.is_paused_by_hand());
 }
+
+#[test]
+fn a_drive_that_the_fleet_repeats_while_its_revocation_is_being_obeyed_is_not_driven_afterwards() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_1)]);
+    floor.all_ready();
+    floor.submit_deliveries(1);
+    floor.until(60, "it drives", |f| f.pairs[0].speed_mps() > 0.3);
+    floor.step(vec![Input::ask(5, FloorAction::Halt(None))]);
+    floor.until(10, "it is paused", |f| f.pairs[0].session.is_paused_by_us());
+    floor.run(2);
+    let progress = floor.pairs[0].session.progress.clone().expect("it has joined");
+    assert!(progress.known > progress.reached, "it was released farther than it is");
+    let drive = floor.pairs[0].drive.clone().expect("it was told to drive");
+    let revokes = Command::Revoke { reached: progress.reached, number: progress.recalls + 1 };
+    let since = floor.now;
+    for command in [&revokes, &drive, &Command::Limit(None)] {
+        let out = floor.pairs[0].session.command(floor.now, command);
+        floor.take(0, out, &mut Vec::new());
+    }
+    for _period in 0..100 {
+        floor.hear(0, &mut Vec::new());
+        floor.now += PERIOD;
+    }
+    let after = floor.pairs[0].session.progress.clone().expect("it has joined");
+    assert_eq!((after.recalls, after.known), (progress.recalls + 1, progress.reached), "it has obeyed");
+    assert!(!floor.told_since(since).contains(&"order"), "{:?}", floor.told_since(since));
+}

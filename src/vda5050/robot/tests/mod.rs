@@ -13,6 +13,7 @@ mod link;
 mod orders;
 mod rejections;
 mod wire;
+mod zones;
 
 use super::{EmbodiedRobot, RobotMessage, RobotSetup};
 use crate::model::Message;

@@ -20,7 +20,9 @@ use giveway_floor::text::Sentence;
 use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
-use giveway_links::vda5050::{MessageStamp, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart};
+use giveway_links::vda5050::{
+    BlockedArea, MessageStamp, Notice, RobotHeard, RobotSession, SessionOutput, SessionStart, closed_areas,
+};
 use giveway_site::{ListedRobot, MQTT_LINK, MqttLink};
 use giveway_vda5050::{Address, Header, Message, Read, TopicKind, Version, read};
 use kinds::{ADDS_KIND, OpenKinds};
@@ -37,6 +39,8 @@ const AT_ONCE: usize = 2_000;
 const UNLISTED: usize = 200;
 /// A robot asks to join again after this, if it was not taken.
 const JOINS_AGAIN: Span = Span::from_secs(1);
+/// What is closed to robots is looked at this often.
+const LOOKS: Span = Span::from_millis(500);
 /// The token of robots that ask to join.
 const JOINS: Token = Token { asker: Asker(7), number: 0 };
 /// A broker that is not there this long after the start is gone.
@@ -82,6 +86,8 @@ pub struct MqttRobots {
     has_new_claims: bool,
     counts: LinkTally,
     begun: Time,
+    /// What is closed to robots, and when that was looked at.
+    closed: (Arc<[BlockedArea]>, Time),
 }
 
 /// A line to the broker of a site that has begun.
@@ -144,6 +150,7 @@ impl MqttRobots {
             has_new_claims: false,
             counts: LinkTally::default(),
             begun: now,
+            closed: (Arc::default(), now),
             link,
             map,
             boot,
@@ -181,7 +188,11 @@ impl MqttRobots {
             let Ok(event) = self.events.try_recv() else { break };
             self.take_event(now, event);
         }
-        self.with_all(now, |session| session.tick(now));
+        let closed = self.closed(now, fleet.ledger());
+        self.with_all(now, |session| {
+            session.close(&closed);
+            session.tick(now)
+        });
         if self.numbers.len() < self.robots.len() {
             let addresses: Vec<Address> = self.robots.keys().cloned().collect();
             addresses.iter().for_each(|address| self.ask_to_join(now, address, fleet));
@@ -193,6 +204,19 @@ impl MqttRobots {
             self.note_down(now, "it was not there yet".to_owned());
         }
         std::mem::take(&mut self.inputs)
+    }
+
+    /// What is closed to robots: the same value as before if nothing has changed.
+    fn closed(&mut self, now: Time, ledger: &Ledger) -> Arc<[BlockedArea]> {
+        let (areas, looked) = &mut self.closed;
+        if now - *looked >= LOOKS {
+            *looked = now;
+            let closed = closed_areas(ledger, now);
+            if **areas != *closed {
+                *areas = closed.into();
+            }
+        }
+        areas.clone()
     }
 
     /// Alarms that began or ended since the last call.
@@ -343,7 +367,9 @@ impl MqttRobots {
             Message::Connection(connection) => Some(RobotHeard::Connection(connection)),
             Message::Visualization(seen) => Some(RobotHeard::Visualization(seen, stamp)),
             Message::Factsheet(factsheet) => Some(RobotHeard::Factsheet(factsheet)),
-            Message::Order(_) | Message::InstantActions(_) => None,
+            Message::Order(_) | Message::InstantActions(_) | Message::ZoneSet(_) | Message::Responses(_) => {
+                None
+            }
         }
     }
 
