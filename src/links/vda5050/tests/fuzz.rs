@@ -13,9 +13,9 @@ const PIECES: [&str; 14] =
     ["\"", "{", "]", "\\u", "-", "1e999", "null", ",", ":", "NaN", "4294967295", "[]", "true", "gw-1-1-1"];
 
 /// A generator that is quick; nothing else is asked of it.
-struct Dice(u64);
+struct MutationSource(u64);
 
-impl Dice {
+impl MutationSource {
     fn roll(&mut self, sides: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -37,7 +37,7 @@ fn payloads() -> Vec<(TopicKind, Vec<u8>)> {
     of_robots.collect()
 }
 
-fn mutated(dice: &mut Dice, payload: &[u8]) -> Vec<u8> {
+fn mutated(dice: &mut MutationSource, payload: &[u8]) -> Vec<u8> {
     let mut bytes = payload.to_vec();
     if dice.roll(8) == 0 {
         bytes = (0..dice.roll(200)).map(|_| dice.roll(256) as u8).collect();
@@ -58,7 +58,7 @@ fn mutated(dice: &mut Dice, payload: &[u8]) -> Vec<u8> {
 #[test]
 fn mutated_messages_under_every_topic_leave_a_session_alive() {
     let count = std::env::var("GIVEWAY_LINK_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(20_000_u64);
-    let (mut dice, mut all) = (Dice(0x9E37_79B9_7F4A_7C15), payloads());
+    let (mut dice, mut all) = (MutationSource(0x9E37_79B9_7F4A_7C15), payloads());
     assert!(all.len() > 10, "{}", all.len());
     let mut floor = LinkFloor::new(lab(), Version::ALL.map(standard).into());
     floor.all_ready();
