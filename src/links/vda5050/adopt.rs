@@ -42,6 +42,7 @@ impl RobotSession {
             nodes: vec![None; (base + 1).saturating_sub(first) as usize],
             announces: state.nodes.iter().any(|node| !node.released),
             act: None,
+            before: None,
             complaints: Vec::new(),
             message: None,
         });

@@ -66,6 +66,8 @@ pub(super) struct LegOrder {
     pub announces: bool,
     /// What it does at its end.
     pub act: Option<LegAct>,
+    /// The sequence number that the robot said last before it had this order: it may say it for a while longer.
+    pub before: Option<u32>,
     /// The robot's complaints from before the last update.
     pub complaints: Vec<RobotError>,
     /// The message, to be sent again.
@@ -137,7 +139,11 @@ impl RobotSession {
         progress.known = progress.known.max(leg.known);
         let node = leg.nodes.get((serial - leg.first) as usize).copied().flatten();
         let is_named = node.is_none_or(|n| is_name(&self.map.nodes[n].name, &state.last_node));
-        if serial > leg.known || !is_named {
+        let is_false = serial > leg.known || !is_named;
+        if is_false && leg.before == Some(state.last_sequence) {
+            return;
+        }
+        if is_false {
             let said = format!("node {:?}, number {}", state.last_node, state.last_sequence);
             self.notice(Notice::FalseProgress { said });
         } else {
@@ -286,6 +292,7 @@ impl RobotSession {
         }
         let id = format!("{}-{first}", self.new_id());
         let act = base.last().and_then(|w| self.leg_act(&id, w));
+        let before = self.state.as_ref().map(|(_, state)| state.last_sequence);
         let order = self.order_of(&id, 0, (first, &base), wanted, act.as_ref());
         self.order = OrderLife::Has(LegOrder {
             id,
@@ -297,6 +304,7 @@ impl RobotSession {
             nodes: base.iter().map(|w| Some(w.node)).collect(),
             announces: order.nodes.last().is_some_and(|n| !n.released),
             act,
+            before,
             complaints: self.complaints(),
             message: Some(order.clone()),
         });

@@ -130,6 +130,8 @@ pub async fn robots(Called(api): Called, Params(p): Params<RobotParams>) -> Resu
     let robots = moment.view.robots.iter().filter(wanted).map(|r| names.one_robot(r)).collect();
     let Json(robots) = page(robots, &Paging { limit: p.limit, cursor: p.cursor })?;
     let (waiting, unlisted) = match p.unlisted {
+        // Without such a link nobody waits and nobody is heard.
+        true if api.link.is_none() => (Some(Vec::new()), Some(Vec::new())),
         true => {
             let waiting = api.ask_link(LinkQuestion::Waiting).await?.into_iter().map(LinkedRobotDto::from);
             let unlisted =

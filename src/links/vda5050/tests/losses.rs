@@ -174,3 +174,22 @@ fn a_robot_that_says_nothing_more_is_silent_however_often_it_is_asked() {
     }
     assert_eq!(floor.pairs[0].session.not_ready(floor.now), Some(NotReady::Silent));
 }
+
+#[test]
+fn a_robot_whose_new_order_is_cancelled_at_once_is_not_taken_for_a_liar() {
+    let mut floor = LinkFloor::new(thesis(), vec![RobotSetup::like_a()]);
+    floor.all_ready();
+    floor.submit_deliveries(1);
+    floor.until(60, "it is under way", |f| {
+        f.pairs[0].session.state().is_some_and(|(_, state)| state.last_sequence >= 8 && !state.nodes.is_empty())
+    });
+    let now = floor.now;
+    floor.pairs[0].session.begin_cancel(now, None);
+    let id = |f: &LinkFloor| f.pairs[0].session.leg().map(|leg| leg.id.clone());
+    let cancelled = id(&floor);
+    floor.until(60, "it has another order", move |f| id(f).is_some_and(|id| Some(id) != cancelled));
+    let now = floor.now;
+    floor.pairs[0].session.begin_cancel(now, None);
+    floor.run(5);
+    assert_eq!(floor.notices(0), [""; 0]);
+}
