@@ -181,7 +181,10 @@ fn a_robot_whose_new_order_is_cancelled_at_once_is_not_taken_for_a_liar() {
     floor.all_ready();
     floor.submit_deliveries(1);
     floor.until(60, "it is under way", |f| {
-        f.pairs[0].session.state().is_some_and(|(_, state)| state.last_sequence >= 8 && !state.nodes.is_empty())
+        f.pairs[0]
+            .session
+            .state()
+            .is_some_and(|(_, state)| state.last_sequence >= 8 && !state.nodes.is_empty())
     });
     let now = floor.now;
     floor.pairs[0].session.begin_cancel(now, None);

@@ -201,7 +201,7 @@ fn row(here: &RobotHere, kinds: &OpenKinds, now: Time, fleet: &Fleet) -> LinkedR
     let left = here.has_left(fleet.ledger()).then(|| left.to_owned());
     let kind = fleet.ledger().kinds().named(&listed.kind);
     let differences = |sheet| kind.map(|kind| contradictions(kind, sheet)).unwrap_or_default();
-    let waits = if kind.is_none() { Some(kinds.why_not(&listed.kind)) } else { None };
+    let waits = if kind.is_none() { kinds.why_not(&listed.kind, why.as_ref()) } else { None };
     LinkedRobot {
         listed: NewLinked {
             name: listed.name.clone(),

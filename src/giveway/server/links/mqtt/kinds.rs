@@ -9,6 +9,7 @@ use giveway_fleet::{Asker, Fleet, FloorAction, Input, KindRefusal, Refusal, Robo
 use giveway_floor::geometry::Point;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Footprint;
+use giveway_links::vda5050::NotReady;
 use giveway_site::{FigureOrigin, KindFigure, OpenKind};
 use giveway_vda5050::Factsheet;
 use std::collections::BTreeMap;
@@ -77,10 +78,15 @@ impl OpenKinds {
         self.refused.insert(name, (now, why));
     }
 
-    /// Why a kind is not known yet, in words.
-    pub fn why_not(&self, name: &str) -> String {
-        let waits = || "its kind waits for what it says of itself".to_owned();
-        self.refused.get(name).map_or_else(waits, |(_, why)| why.clone())
+    /// Why a robot has not joined whose kind is not known yet, in words, if nothing else keeps it.
+    pub fn why_not(&self, name: &str, why: Option<&NotReady>) -> Option<String> {
+        match (self.refused.get(name), why) {
+            (Some((_, refused)), _) => Some(refused.clone()),
+            (None, None | Some(NotReady::Unproven)) => {
+                Some("its kind waits for what it says of itself".to_owned())
+            }
+            (None, Some(_)) => None,
+        }
     }
 
     /// The figures of a kind on the floor, and where each comes from.
