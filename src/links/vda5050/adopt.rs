@@ -58,8 +58,8 @@ impl RobotSession {
     /// time to answer. An earlier state may be older than the last order of an earlier process.
     fn is_answer(&self) -> bool {
         let Some((heard, state)) = &self.state else { return false };
-        let ours = format!("gw-{}-", self.boot);
-        let lists = state.actions.iter().chain(&state.instant_actions).any(|a| a.id.starts_with(&ours));
+        let mut listed = state.actions.iter().chain(&state.instant_actions);
+        let lists = listed.any(|action| boot_of(&action.id) == Some(self.boot));
         lists || self.first_asked.is_some_and(|asked| *heard >= asked + TAKES)
     }
 
@@ -78,8 +78,8 @@ impl RobotSession {
         }
     }
 
-    /// Continues the order of an earlier process of a robot that only claims to cancel, once nothing that this process
-    /// sent can be on its way any more. The update's number is one that no process has used.
+    /// Continues the order of an earlier process of a robot that only claims to cancel, once nothing that the earlier
+    /// process sent can be on its way any more. The update's number is one that no process has used.
     fn continue_adopted(&mut self, now: Time, wanted: &WantedDrive) {
         const BEYOND: Span = Span::from_secs(1);
         let is_settled = self.first_asked.is_some_and(|asked| now - asked >= EXPIRES + BEYOND);
@@ -91,6 +91,11 @@ impl RobotSession {
         leg.update = leg.update.max(number_of(self.boot));
         self.send_update(now, wanted, end);
     }
+}
+
+/// When the process began that gave an id of ours.
+fn boot_of(id: &str) -> Option<u64> {
+    id.strip_prefix("gw-")?.split('-').next()?.parse().ok()
 }
 
 /// A number of updates that grows from process to process: tenths of a second since 2026.

@@ -278,6 +278,11 @@ impl RobotSession {
         AskedAction { id, since: now, last: now, tries: 1 }
     }
 
+    /// Whether the robot refused or failed what it was asked to do.
+    pub(super) fn has_failed(&self, asked: &AskedAction) -> bool {
+        self.action_state(&asked.id).is_some_and(|said| said.status == ActionStatus::Failed)
+    }
+
     /// Whether the robot has paused, or gone on, since it was asked to; its words if it refused.
     pub(super) fn was_heeded(&self, asked: &AskedAction, pauses: bool) -> Option<Result<(), Option<String>>> {
         let (heard, state) = self.state.as_ref()?;

@@ -44,6 +44,11 @@ impl RobotSession {
     /// Looks after an action at the end of the order that may be tried again.
     pub(super) fn mind_retry(&mut self, now: Time) {
         let OrderLife::Has(LegOrder { act: Some(act), .. }) = &self.order else { return };
+        let status =
+            act.action.as_ref().and_then(|action| self.action_state(&action.id)).map(|said| said.status);
+        if act.retry == RetryLife::None && status != Some(ActionStatus::Retriable) {
+            return;
+        }
         let LegAct { serial, retry, action: Some(action), .. } = act.clone() else { return };
         let Some(said) = self.action_state(&action.id).cloned() else { return };
         let is_retriable = said.status == ActionStatus::Retriable;

@@ -3,7 +3,7 @@
 //! Main functions: `wait_at_cell`, `mind_trigger`. A robot waits so if its factsheet offers both; others just stand at
 //! the end of their order. Refuses: to send an order to a robot that still waits, which it would reject.
 
-use super::session::{AskedAction, RobotSession};
+use super::session::RobotSession;
 use giveway_floor::time::{Span, Time};
 use giveway_vda5050::{Action, ActionScope, ActionState, ActionStatus, BlockingType, Parameter, Version};
 use serde_json::json;
@@ -40,15 +40,11 @@ impl RobotSession {
         }
         let asked = match self.trigger.take() {
             None => self.ask(now, TRIGGER),
-            Some(asked) if self.was_refused(&asked) && now - asked.last >= AGAIN => self.ask(now, TRIGGER),
+            Some(asked) if self.has_failed(&asked) && now - asked.last >= AGAIN => self.ask(now, TRIGGER),
             Some(asked) => self.ask_again(now, asked, TRIGGER),
         };
         self.trigger = Some(asked);
         true
-    }
-
-    fn was_refused(&self, asked: &AskedAction) -> bool {
-        self.action_state(&asked.id).is_some_and(|said| said.status == ActionStatus::Failed)
     }
 
     /// What the robot says of its waiting, if it waits or will.

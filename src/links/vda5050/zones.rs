@@ -12,9 +12,7 @@ use giveway_floor::geometry::{Point, Segment, axis_distance_of_segments, inside,
 use giveway_floor::id::ClosureId;
 use giveway_floor::time::{Span, Time};
 use giveway_site::MapFrame;
-use giveway_vda5050::{
-    ActionStatus, Message, Parameter, StoredZoneSet, TopicKind, Version, Zone, ZoneKind, ZoneSet,
-};
+use giveway_vda5050::{Message, Parameter, StoredZoneSet, TopicKind, Version, Zone, ZoneKind, ZoneSet};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -231,10 +229,6 @@ impl RobotSession {
             }
             (Some(old), _) => Some((old.clone(), self.ask_with(now, DELETE, about(&old)))),
         };
-    }
-
-    fn has_failed(&self, asked: &AskedAction) -> bool {
-        self.action_state(&asked.id).is_some_and(|said| said.status == ActionStatus::Failed)
     }
 }
 

@@ -16,14 +16,14 @@ use std::collections::BTreeMap;
 
 /// The token of kinds that are to be added.
 pub const ADDS_KIND: Token = Token { asker: Asker(7), number: 1 };
-/// A kind that was refused is asked for again after this: somebody may have removed what stood against it.
+/// A kind that was refused, or got no answer, is asked for again after this.
 const ASKS_AGAIN: Span = Span::from_secs(10);
 
 /// The kinds whose files leave figures out.
 pub struct OpenKinds {
     all: Vec<OpenKind>,
-    /// The one that the fleet was asked to add and has not answered about.
-    asked: Option<String>,
+    /// The one that the fleet was asked to add and has not answered about, and when it was asked.
+    asked: Option<(String, Time)>,
     /// Those that it did not add: when it was asked, and why.
     refused: BTreeMap<String, (Time, String)>,
 }
@@ -46,7 +46,8 @@ impl OpenKinds {
         fleet: &Fleet,
         mut robots: impl Iterator<Item = &'a RobotHere>,
     ) -> Option<Input> {
-        if self.asked.is_some() {
+        // A fleet that was made anew meanwhile has forgotten the question.
+        if self.asked.as_ref().is_some_and(|(_, at)| now - *at < ASKS_AGAIN) {
             return None;
         }
         let kinds = fleet.ledger().kinds();
@@ -57,13 +58,13 @@ impl OpenKinds {
             Some((open, here.session.answered_factsheet(now)?))
         })?;
         let kind = open.filled(sheet).ok()?;
-        self.asked = Some(open.name.clone());
+        self.asked = Some((open.name.clone(), now));
         Some(Input::ask(ADDS_KIND, FloorAction::PutKind(Box::new(kind))))
     }
 
     /// Takes the fleet's answer to the last request.
     pub fn answer(&mut self, now: Time, answer: Result<(), &Refusal>) {
-        let Some(name) = self.asked.take() else { return };
+        let Some((name, _)) = self.asked.take() else { return };
         let why = match answer {
             Ok(()) => return,
             Err(Refusal::Kind(KindRefusal::TooLarge)) => {
@@ -73,6 +74,7 @@ impl OpenKinds {
             Err(Refusal::Kind(KindRefusal::Clearance)) => {
                 "it brakes too slowly for this floor by its factsheet: give its kind its figures".to_owned()
             }
+            Err(Refusal::TooMany(..)) => "the floor has as many kinds of robots as it may have".to_owned(),
             Err(other) => format!("its kind cannot be added: {other:?}"),
         };
         self.refused.insert(name, (now, why));
