@@ -52,6 +52,8 @@ pub enum NotReady {
     NoPause(Option<String>),
     /// It refuses orders, in its words.
     Rejects(String),
+    /// It waits at a work cell for a trigger, and takes none from here.
+    NeedsButton,
 }
 
 /// Whether a robot was seen to obey.
@@ -74,7 +76,8 @@ impl RobotSession {
         self.unreachable(now).or_else(|| self.unfit()).or_else(|| match &self.obedience {
             Obedience::Proven | Obedience::Consented => {
                 let (times, words) = &self.rejected;
-                (*times >= 3).then(|| NotReady::Rejects(words.clone()))
+                let rejects = (*times >= 3).then(|| NotReady::Rejects(words.clone()));
+                rejects.or_else(|| self.needs_button().then_some(NotReady::NeedsButton))
             }
             Obedience::Failed(words) => Some(NotReady::NoPause(words.clone())),
             Obedience::Unproven | Obedience::Pauses(_) | Obedience::GoesOn(_) => Some(NotReady::Unproven),
@@ -325,6 +328,9 @@ impl fmt::Display for NotReady {
             NotReady::NoPause(Some(words)) => write!(f, "it does not pause when told to: {words}"),
             NotReady::NoPause(None) => f.write_str("it does not pause when told to"),
             NotReady::Rejects(words) => write!(f, "it refuses orders: {words}"),
+            NotReady::NeedsButton => {
+                f.write_str("it waits for a trigger and takes none from here: press the button at it")
+            }
         }
     }
 }

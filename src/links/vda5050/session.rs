@@ -14,6 +14,7 @@ use super::operator::SentAction;
 use super::order::{LegOrder, OrderLife, UpdateLife, first_of};
 use super::overtaken::MessageOrder;
 use super::pause::PauseLife;
+use super::trigger::TriggerLife;
 use super::trust::Trust;
 use super::zones::ZoneLife;
 use giveway_fleet::{Command, LinkState, Telemetry, Waypoint};
@@ -174,7 +175,7 @@ pub struct RobotSession {
     pub(super) first_asked: Option<Time>,
     pub(super) charge: ChargeLife,
     /// The dismissal of a robot that waits at a work cell.
-    pub(super) trigger: Option<AskedAction>,
+    pub(super) trigger: TriggerLife,
     pub(super) zones: ZoneLife,
     /// The length of the map's shortest lane, metres.
     pub(super) shortest_m: f64,
@@ -233,7 +234,7 @@ impl RobotSession {
             adopts: None,
             first_asked: None,
             charge: ChargeLife::Off,
-            trigger: None,
+            trigger: TriggerLife::default(),
             zones: ZoneLife::default(),
             shortest_m: shortest_m.max(0.05),
             trust: Trust::default(),

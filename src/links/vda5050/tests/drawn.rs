@@ -71,6 +71,7 @@ impl LinkFloor {
             let carries = robot.robot.state().loads.is_some_and(|loads| !loads.is_empty());
             match session.not_ready(self.now) {
                 Some(NotReady::NoPause(_)) => session.consent(),
+                Some(NotReady::NeedsButton) => robot.robot.press_trigger(),
                 Some(NotReady::Rejects(_)) => {
                     let rack = number.and_then(|robot| self.fleet.ledger().rack_on(robot));
                     session.settle(rack);

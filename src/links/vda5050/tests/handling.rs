@@ -2,6 +2,7 @@
 
 use super::*;
 use giveway_vda5050::ActionStatus;
+use giveway_vda5050::robot::ReadingHabit;
 
 /// A fleet of one robot that is to carry a rack to a station and back.
 fn carries(setup: RobotSetup) -> (LinkFloor, JobId) {
@@ -98,6 +99,23 @@ fn a_robot_that_was_dismissed_by_hand_or_does_not_offer_to_wait_goes_on_as_well(
     floor.pairs[0].robot.robot.press_trigger();
     floor.until_done(&[job], 600);
     assert_eq!(floor.count("trigger"), 0, "somebody pressed the button at the robot");
+}
+
+#[test]
+fn a_robot_that_takes_no_trigger_says_that_it_needs_a_hand_and_is_not_made_to_wait_again() {
+    let mut deaf = standard(Version::V3_0);
+    deaf.quirks.reading = ReadingHabit::AtEndOfBase;
+    let (mut floor, job) = carries(deaf);
+    let needs_hand = |f: &LinkFloor| f.pairs[0].session.not_ready(f.now) == Some(NotReady::NeedsButton);
+    floor.until(300, "it needs a hand", needs_hand);
+    floor.pairs[0].robot.robot.press_trigger();
+    floor.until(10, "it goes on", |f| f.pairs[0].session.not_ready(f.now).is_none());
+    floor.until_done(&[job], 600);
+    let job = floor.submit_deliveries(1);
+    floor.until_done(&job, 600);
+    let orders = floor.orders();
+    let waits = orders.iter().flat_map(|order| &order.nodes).flat_map(|node| &node.actions);
+    assert_eq!(waits.filter(|action| action.kind == "waitForTrigger").count(), 1);
 }
 
 #[test]
