@@ -6,6 +6,7 @@ use super::notice::Notice;
 use super::order::{LegOrder, OrderLife, UpdateLife};
 use super::session::{AskedAction, RobotSession};
 use giveway_floor::time::{Span, Time};
+use giveway_vda5050::ActionStatus;
 
 pub(super) const CANCEL: &str = "cancelOrder";
 /// A robot that drives on for this long after it said that it had cancelled its order has not.
@@ -70,7 +71,7 @@ impl RobotSession {
         let cancel = cancel.clone();
         let heard = self.state.as_ref().filter(|(at, _)| *at >= cancel.asked.since);
         let is_over = heard.is_some_and(|(_, state)| state.nodes.is_empty() && state.edges.is_empty());
-        if is_over && self.motion.stands() {
+        if is_over && self.motion.stands() && !self.acts_on() {
             self.end_cancel(&cancel);
             return true;
         }
@@ -89,6 +90,18 @@ impl RobotSession {
             self.notice(Notice::NoCancel);
         }
         true
+    }
+
+    /// Whether the robot is at the action of the order that is cancelled: an order may have come late, and be carried
+    /// out before the cancel is read. What such an action did counts.
+    fn acts_on(&self) -> bool {
+        let OrderLife::Cancels { leg: LegOrder { act: Some(act), .. }, .. } = &self.order else {
+            return false;
+        };
+        let said = act.action.as_ref().and_then(|action| self.action_state(&action.id));
+        said.is_some_and(|said| {
+            matches!(said.status, ActionStatus::Initializing | ActionStatus::Running | ActionStatus::Paused)
+        })
     }
 
     /// A robot that claims to have cancelled its order, and has driven all of it that was released, waits for the rest.

@@ -12,6 +12,8 @@ use std::fmt;
 
 /// A state is asked for if none came for this long.
 const ASKS: Span = Span::from_secs(30);
+/// A question for a state that is not answered is asked again after this at first.
+const ASKS_AGAIN: Span = Span::from_secs(2);
 /// A robot that was asked for its state and sent none for this long is silent.
 const SILENCE: Span = Span::from_secs(35);
 /// A robot that was not seen to pause, or to go on, for this long does not obey.
@@ -46,6 +48,8 @@ pub enum NotReady {
     OnNoNode(i64),
     /// It drives by an order that is not ours.
     ForeignOrder(String),
+    /// It is paused, and not from here as far as is known, so that it cannot be seen to obey.
+    PausedByHand,
     /// It was not seen to obey yet.
     Unproven,
     /// It did not pause when told to; its words, if it had some.
@@ -80,6 +84,7 @@ impl RobotSession {
                 rejects.or_else(|| self.needs_button().then_some(NotReady::NeedsButton))
             }
             Obedience::Failed(words) => Some(NotReady::NoPause(words.clone())),
+            Obedience::Unproven if self.is_paused_by_hand() => Some(NotReady::PausedByHand),
             Obedience::Unproven | Obedience::Pauses(_) | Obedience::GoesOn(_) => Some(NotReady::Unproven),
         })
     }
@@ -157,11 +162,14 @@ impl RobotSession {
         Some(to_mm(off_m))
     }
 
-    /// Asks for a state if none came for long: a robot that has nothing to tell may be silent.
+    /// Asks for a state if none came for long: a robot that has nothing to tell may be silent. The question or its
+    /// answer may have been lost: it is asked again soon, then ever less often.
     pub(super) fn ask_for_state(&mut self, now: Time) {
         let heard = self.state.as_ref().map(|(at, _)| *at);
         let last = heard.max(self.state_asked);
-        if last.is_none_or(|last| now - last >= ASKS) {
+        let waited = self.unanswered.zip(self.state_asked).map(|(first, last)| last - first);
+        let asks = waited.map_or(ASKS, |waited| waited.clamp(ASKS_AGAIN, ASKS));
+        if last.is_none_or(|last| now - last >= asks) {
             self.request_state(now);
         }
     }
@@ -324,6 +332,9 @@ impl fmt::Display for NotReady {
                 write!(f, "it is on no node: the nearest is {:.2} m away", *off_mm as f64 / 1000.0)
             }
             NotReady::ForeignOrder(order) => write!(f, "it drives by order {order:?}, which is not ours"),
+            NotReady::PausedByHand => {
+                f.write_str("it is paused, and not from here: let it go on at the robot")
+            }
             NotReady::Unproven => f.write_str("it was not yet seen to pause and go on"),
             NotReady::NoPause(Some(words)) => write!(f, "it does not pause when told to: {words}"),
             NotReady::NoPause(None) => f.write_str("it does not pause when told to"),

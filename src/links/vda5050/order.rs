@@ -478,8 +478,9 @@ fn edge(from: &Node, to: &Node) -> Edge {
     }
 }
 
-/// The robot's words against an order that it has not taken: a new complaint that is about orders.
-fn complaint(leg: &LegOrder, errors: &[RobotError]) -> Option<String> {
+/// The robot's words against an order that it has not taken: a new complaint that is about orders, and neither about
+/// another one nor about a cancel that found none.
+pub(super) fn complaint(leg: &LegOrder, errors: &[RobotError]) -> Option<String> {
     const ABOUT: [&str; 8] = [
         "order",
         "validation",
@@ -492,7 +493,9 @@ fn complaint(leg: &LegOrder, errors: &[RobotError]) -> Option<String> {
     ];
     let is_about = |e: &RobotError| {
         let kind = e.kind.to_ascii_lowercase();
-        e.refers_to("orderId") == Some(&leg.id) || ABOUT.iter().any(|word| kind.contains(word))
+        let is_of_cancel = kind.replace('_', "") == "noordertocancel";
+        let says = || ABOUT.iter().any(|word| kind.contains(word));
+        !is_of_cancel && e.refers_to("orderId").map_or_else(says, |order| order == leg.id)
     };
     let new = errors.iter().find(|e| !leg.complaints.contains(e) && is_about(e))?;
     Some(match &new.description {

@@ -374,7 +374,9 @@ impl LinkFloor {
                 assert!(before.is_none_or(|b| b == i), "{:?}: {node} is released to two robots", self.now);
             }
         }
-        let bodies: Vec<(f64, f64)> = self.pairs.iter().map(Pair::place).collect();
+        // Nobody can avoid a robot that has never said where it is.
+        let known = self.pairs.iter().filter(|pair| pair.number.is_some() || pair.session.state().is_some());
+        let bodies: Vec<(f64, f64)> = known.map(Pair::place).collect();
         for (i, a) in bodies.iter().enumerate() {
             for b in &bodies[..i] {
                 let far = (a.0 - b.0).abs().max((a.1 - b.1).abs());

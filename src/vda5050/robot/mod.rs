@@ -244,6 +244,15 @@ impl VirtualRobot {
         self.pull_trigger();
     }
 
+    /// Presses the button at the robot that pauses it, or the one that lets it go on.
+    pub fn press_pause(&mut self, pauses: bool) {
+        if pauses {
+            self.begin_pause();
+        } else {
+            self.pause = PauseStage::Off;
+        }
+    }
+
     /// Switches the robot off and on again: order, actions, errors and loads are forgotten, pause and emergency stop
     /// are released. The robot comes back at the given position, on a node or, with an empty name, on none.
     pub fn reboot(&mut self, position: Position, last_node: &str) {

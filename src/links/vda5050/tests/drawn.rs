@@ -2,6 +2,7 @@
 //! every job is done once.
 
 use super::*;
+use giveway_vda5050::Load;
 use giveway_vda5050::robot::{
     BaseRequestHabit, CancelHabit, DrivingFlag, EqualUpdate, ErrorMemory, FactsheetForm, FirstState,
     IdleCancel, InstantMemory, NodeStops, OrderActionHabit, OtherOrder, PauseHabit, PausedFlag, ReadingHabit,
@@ -71,7 +72,11 @@ impl LinkFloor {
             let carries = robot.robot.state().loads.is_some_and(|loads| !loads.is_empty());
             match session.not_ready(self.now) {
                 Some(NotReady::NoPause(_)) => session.consent(),
-                Some(NotReady::NeedsButton) => robot.robot.press_trigger(),
+                // A person goes and looks.
+                Some(NotReady::NeedsButton | NotReady::NeverSeen | NotReady::Silent) => {
+                    robot.robot.press_trigger();
+                }
+                Some(NotReady::PausedByHand) => robot.robot.press_pause(false),
                 Some(NotReady::Rejects(_)) => {
                     let rack = number.and_then(|robot| self.fleet.ledger().rack_on(robot));
                     session.settle(rack);
@@ -79,8 +84,11 @@ impl LinkFloor {
                 _ if session.failure().is_some() => {
                     // A load that a robot took although it said nothing of it is taken off it again.
                     let rack = number.and_then(|robot| self.fleet.ledger().rack_on(robot));
-                    if carries && rack.is_none() {
-                        robot.robot.set_loads(Vec::new());
+                    match (carries, rack.is_some()) {
+                        (true, false) => robot.robot.set_loads(Vec::new()),
+                        // One that was switched off and on does not know what stands on it.
+                        (false, true) => robot.robot.set_loads(vec![Load { id: None, kind: None }]),
+                        _ => {}
                     }
                     session.settle(rack);
                     *failures += 1;

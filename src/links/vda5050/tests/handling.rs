@@ -17,7 +17,7 @@ impl LinkFloor {
         self.told_since(Time::ZERO).iter().filter(|told| **told == kind).count()
     }
 
-    fn says_of(&self, kind: &str, status: ActionStatus) -> bool {
+    pub(super) fn says_of(&self, kind: &str, status: ActionStatus) -> bool {
         let is_it = |a: &ActionState| a.kind.as_deref() == Some(kind) && a.status == status;
         self.pairs[0].robot.robot.state().actions.iter().any(is_it)
     }

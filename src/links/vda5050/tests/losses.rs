@@ -1,6 +1,10 @@
 //! Messages that are lost, a process that dies, robots that begin anew: every job is done once.
 
 use super::*;
+use crate::vda5050::order::{OrderLife, complaint};
+use giveway_vda5050::robot::ReadingHabit;
+use giveway_vda5050::{ActionStatus, ErrorLevel, ErrorReference, RobotError};
+use std::collections::BTreeSet;
 
 impl LinkFloor {
     /// Something happens to the line to all robots.
@@ -195,4 +199,45 @@ fn a_robot_whose_new_order_is_cancelled_at_once_is_not_taken_for_a_liar() {
     floor.pairs[0].session.begin_cancel(now, None);
     floor.run(5);
     assert_eq!(floor.notices(0), [""; 0]);
+}
+
+#[test]
+fn an_action_that_goes_on_when_its_order_is_cancelled_is_waited_for_and_not_asked_for_again() {
+    let mut deaf = standard(Version::V2_1);
+    deaf.quirks.reading = ReadingHabit::AtEndOfBase;
+    let mut floor = LinkFloor::new(lab(), vec![deaf]);
+    floor.all_ready();
+    let job = floor.submit_deliveries(1);
+    floor.until(120, "it drives to the rack", |f| f.says_of("pick", ActionStatus::Waiting));
+    let now = floor.now;
+    floor.pairs[0].session.begin_cancel(now, None);
+    floor.until_done(&job, 600);
+    let orders = floor.orders();
+    let acts = orders.iter().flat_map(|order| &order.nodes).flat_map(|node| &node.actions);
+    let picks: BTreeSet<&str> = acts.filter(|act| act.kind == "pick").map(|act| act.id.as_str()).collect();
+    assert_eq!(picks.len(), 1, "{picks:?}");
+    assert_eq!(floor.pairs[0].session.failure(), None);
+}
+
+#[test]
+fn a_cancel_that_found_no_order_says_nothing_against_the_next_order() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_1)]);
+    floor.all_ready();
+    floor.submit_deliveries(1);
+    floor.until(60, "it has an order", |f| matches!(f.pairs[0].session.order, OrderLife::Has(_)));
+    let OrderLife::Has(leg) = &floor.pairs[0].session.order else { panic!("it has an order") };
+    let error = |kind: &str, order: Option<&str>| RobotError {
+        kind: kind.to_owned(),
+        level: ErrorLevel::Warning,
+        references: order
+            .into_iter()
+            .map(|id| ErrorReference { key: "orderId".into(), value: id.into() })
+            .collect(),
+        description: None,
+        hint: None,
+    };
+    let against = |kind: &str, order: Option<&str>| complaint(leg, &[error(kind, order)]).is_some();
+    assert!(against("orderError", None) && against("anything", Some(&leg.id)));
+    assert!(!against("noOrderToCancel", None) && !against("NO_ORDER_TO_CANCEL", Some(&leg.id)));
+    assert!(!against("orderUpdateError", Some("gw-1-1-1")), "it is about another order");
 }

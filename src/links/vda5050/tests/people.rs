@@ -111,6 +111,34 @@ fn a_pause_that_a_robot_carries_out_after_it_was_told_to_go_on_is_lifted_and_not
 }
 
 #[test]
+fn a_pause_pressed_at_the_robot_is_lifted_by_who_pressed_it_and_by_nobody_here() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_1)]);
+    floor.all_ready();
+    // Longer than a robot may need to carry out the pause with which it was proven.
+    floor.run(5);
+    let job = floor.submit_deliveries(1);
+    floor.until(60, "it drives", |f| f.pairs[0].speed_mps() > 0.3);
+    let since = floor.now;
+    floor.pairs[0].robot.robot.press_pause(true);
+    floor.run(60);
+    assert!(floor.pairs[0].session.is_paused_by_hand() && floor.pairs[0].speed_mps() < 0.01);
+    assert_eq!(count(&floor, since, "stopPause"), 0);
+    floor.pairs[0].robot.robot.press_pause(false);
+    floor.until_done(&job, 300);
+}
+
+#[test]
+fn a_robot_that_a_person_paused_before_its_first_contact_says_that_it_waits_for_that_person() {
+    let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_0)]);
+    floor.pairs[0].robot.robot.press_pause(true);
+    floor.run(60);
+    assert_eq!(floor.pairs[0].session.not_ready(floor.now), Some(NotReady::PausedByHand));
+    assert_eq!(count(&floor, Time::ZERO, "stopPause"), 0);
+    floor.pairs[0].robot.robot.press_pause(false);
+    floor.all_ready();
+}
+
+#[test]
 fn a_drive_that_the_fleet_repeats_while_its_revocation_is_being_obeyed_is_not_driven_afterwards() {
     let mut floor = LinkFloor::new(lab(), vec![standard(Version::V2_1)]);
     floor.all_ready();
