@@ -125,8 +125,9 @@ impl RobotSession {
                 return self.reject(now, words);
             }
         } else if !has_it && !is_cancelled {
-            // The robot has forgotten the order: it began anew. It gets another one from where it is.
-            self.order = OrderLife::Idle;
+            // The robot has forgotten the order: it began anew, perhaps elsewhere. What it drives next, the fleet says when
+            // it has heard where it is.
+            (self.order, self.wanted) = (OrderLife::Idle, None);
             progress.known = progress.reached;
             return;
         }
@@ -410,6 +411,17 @@ impl RobotSession {
         let (x, y) = frame.to_robot(at);
         let deviation_m = Some(self.settings.deviation_m);
         NodePosition { x, y, theta: None, deviation_m, deviation_rad: None, map: frame.name.clone() }
+    }
+
+    /// Asks a robot that stands although it was released farther: the word that it passed a node may have been lost.
+    pub(super) fn ask_where_it_stands(&mut self, now: Time) {
+        const QUIET: Span = Span::from_secs(3);
+        let (Some(progress), Some((heard, _))) = (&self.progress, &self.state) else { return };
+        let is_on_its_way = progress.known > progress.reached && matches!(self.order, OrderLife::Has(_));
+        let is_quiet = now - *heard >= QUIET && self.motion.stands();
+        if is_on_its_way && is_quiet && !self.is_paused_by_us() {
+            self.look_again(now);
+        }
     }
 
     /// Looks after an update that the robot has not shown to have.

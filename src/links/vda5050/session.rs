@@ -396,6 +396,7 @@ impl RobotSession {
             }
             self.mind_retry(now);
             self.ask_about_act(now);
+            self.ask_where_it_stands(now);
             self.clear_instants(now);
         }
         for _lie in self.out.noticed.iter().filter(|notice| notice.is_lie()) {

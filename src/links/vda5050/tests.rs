@@ -75,6 +75,16 @@ impl Pair {
         }
     }
 
+    /// What the robot has behind it, by the state that it has just sent: of two that come at once, the first one counts
+    /// as well.
+    fn note_passed(&mut self) {
+        let Some((_, state)) = self.session.state() else { return };
+        // A robot that has just taken an order may still say the number of the one before.
+        if state.nodes.iter().all(|node| node.sequence >= state.last_sequence) {
+            self.watch.pass(&state.order, state.last_sequence, state.nodes.is_empty());
+        }
+    }
+
     fn place(&self) -> (f64, f64) {
         let report = self.robot.body().report(Vec::new());
         (report.x, report.y)
@@ -277,6 +287,7 @@ impl LinkFloor {
         for (_, message, stamp) in arrived {
             let Some(heard) = heard(message, stamp) else { continue };
             let out = self.pairs[i].session.hear(now, heard);
+            self.pairs[i].note_passed();
             self.take(i, out, inputs);
         }
         let out = self.pairs[i].session.tick(now);
@@ -359,15 +370,6 @@ impl LinkFloor {
     /// The laws of the link.
     fn check(&mut self) {
         let mut owners: BTreeMap<&str, usize> = BTreeMap::new();
-        for pair in &mut self.pairs {
-            if let Some((_, state)) = pair.session.state() {
-                let (order, sequence) = (state.order.clone(), state.last_sequence);
-                // A robot that has just taken an order may still say the number of the one before.
-                if state.nodes.iter().all(|node| node.sequence >= sequence) {
-                    pair.watch.pass(&order, sequence, state.nodes.is_empty());
-                }
-            }
-        }
         for (i, pair) in self.pairs.iter().enumerate() {
             for node in pair.watch.released.values() {
                 let before = owners.insert(node, i);
@@ -463,7 +465,9 @@ impl OrderWatch {
                 assert!(order.update == before.update + 1 || leaps, "{order:?}");
                 // What was sent and lost is no part of what the robot has.
                 let first = &order.nodes[0];
-                let is_end = first == last || Some(first.sequence) == has && order.update > before.update;
+                // A robot that began anew has nothing, and takes it for another order.
+                let fits = has.is_none_or(|has| has == first.sequence);
+                let is_end = first == last || fits && order.update > before.update;
                 assert!(is_end, "stitched at {first:?}, not at {last:?} or {has:?}");
                 assert!(last.actions.is_empty() || first.sequence < last.sequence, "{order:?}");
             }
