@@ -42,7 +42,7 @@ pub use port::linked::{
     ActionFate, FigureRow, LINK_QUESTIONS, LinkQuestion, LinkTally, LinkedRobot, NewLinked, NotDone,
     NoticedOfRobot, OperatorAction, RobotTrust, SaidError, SaidMessage, SaidState, UnlistedRobot,
 };
-pub use port::moment::{LoopFigures, Moment, SharedHistory};
+pub use port::moment::{FloorSimulation, LoopFigures, Moment, SharedHistory};
 pub use port::questions::{AnswerAt, QUESTIONS, QUESTIONS_AT_ONCE, Question, WaitChain};
 pub use port::trial::{NoTrial, Simulate, TrialFigures, TrialOrder, Trials};
 pub use port::{Later, Now};

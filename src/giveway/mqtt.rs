@@ -28,6 +28,9 @@ pub const MOST_BYTES: usize = 1 << 20;
 const QUEUE: usize = 1024;
 /// The line is tried again after this, and after twice as long each time, up to the second.
 const RESTS: [Duration; 2] = [Duration::from_millis(250), Duration::from_secs(5)];
+/// The most messages that wait for the broker's confirmation. The client keeps room for all of them: the most that MQTT
+/// allows would be 14 MB a line.
+const UNCONFIRMED: u16 = 1_000;
 /// A broker that says nothing for this long is gone.
 const KEEP_ALIVE: Duration = Duration::from_secs(5);
 /// What was sent has this long to leave when a line ends.
@@ -214,6 +217,7 @@ fn options_five(setup: &LineSetup) -> rumqttc::v5::MqttOptions {
     let mut options = rumqttc::v5::MqttOptions::new(&setup.client, host, *port);
     options.set_keep_alive(KEEP_ALIVE).set_clean_start(true);
     options.set_max_packet_size(Some(MOST_BYTES as u32));
+    options.set_outgoing_inflight_upper_limit(UNCONFIRMED);
     if let Some((user, password)) = &setup.login {
         options.set_credentials(user, password);
     }

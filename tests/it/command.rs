@@ -8,6 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 /// Runs the program to its end.
 fn giveway(arguments: &[&str]) -> Output {
@@ -214,6 +215,28 @@ async fn a_server_runs_a_site_without_any_scenario_and_refuses_to_run_both() {
         .unwrap();
     let said = String::from_utf8_lossy(&both.stderr);
     assert!(!both.status.success() && said.contains("leave one of them out"), "{said}");
+}
+
+#[tokio::test]
+async fn a_simulated_floor_runs_as_many_times_as_fast_as_it_is_told_and_one_with_real_robots_does_not() {
+    let folder = Folder::new();
+    let (scenario, database) =
+        (concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/lab.json"), folder.database());
+    let floor = ["serve", "--speed", "20", "--scenario", scenario, "--database", database.to_str().unwrap()];
+    let (_server, at) = Shown::of(&[&floor[..], &["--listen", "127.0.0.1:0"]].concat());
+    until_ready(at).await;
+    let began = Instant::now();
+    let id = post(at, None, &delivery(0)).await.unwrap().json()["id"].as_str().unwrap().to_owned();
+    let path = format!("/v1/jobs/{id}");
+    let over = async || Some(get(at, &path).await.json()).filter(is_over);
+    let job = eventually("the job is over", over).await;
+    let time = |key: &str| job[key].as_str().unwrap().parse::<jiff::Timestamp>().unwrap();
+    let lasted = Duration::try_from(time("updated").duration_since(time("created"))).unwrap();
+    assert_eq!(job["state"], "done", "{job}");
+    assert!(lasted > began.elapsed(), "{lasted:?} on the floor");
+    let refused = giveway(&[&floor[..], &["--mqtt", "mqtt://127.0.0.1:1"]].concat());
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(!refused.status.success() && said.contains("leave --speed out"), "{said}");
 }
 
 #[tokio::test]

@@ -3,7 +3,7 @@
 //! That answers are what the first one says is checked in every test that sends a request (`helper.rs`).
 
 use crate::feed::Headset;
-use crate::helper::{Folder, get, send, start};
+use crate::helper::{Folder, get, send, start, start_in_real_time};
 use crate::schema::faults;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -159,7 +159,7 @@ fn assert_described(document: &Value, channel: &str, message: &Value) {
 #[tokio::test(flavor = "multi_thread")]
 async fn web_sockets_send_what_the_asyncapi_document_says() {
     let folder = Folder::new();
-    let server = start(&folder).await;
+    let server = start_in_real_time(&folder).await;
     let at = server.address();
     let document = get(at, "/asyncapi.json").await.json();
     assert_eq!(document["asyncapi"], "3.0.0");

@@ -5,7 +5,7 @@ import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
 import { PATIENCE, assert, check, finish, listen, openBrowser } from './chromium.mjs';
-import { serve } from './serve.mjs';
+import { FAST, serve } from './serve.mjs';
 import { tap } from './tap.mjs';
 
 const program = process.argv[2];
@@ -26,7 +26,7 @@ Object.assign(scenario, {
   fleet: { speed_mps: 2, accel_unloaded_mps2: 2, accel_loaded_mps2: 2, lift_s: 1 },
 });
 writeFileSync(`${scratch}/closure.json`, JSON.stringify(scenario));
-const { url, stop } = await serve(program, `${scratch}/closure.json`, scratch);
+const { url, stop } = await serve(program, `${scratch}/closure.json`, scratch, 0, FAST);
 const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
 await tap(context);

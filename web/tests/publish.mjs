@@ -17,7 +17,7 @@ import {
   openBrowser,
   until,
 } from './chromium.mjs';
-import { serve } from './serve.mjs';
+import { FAST, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -71,7 +71,7 @@ async function open(url) {
   };
 }
 
-const server = await serve(program, SCENARIO, scratch());
+const server = await serve(program, SCENARIO, scratch(), 0, FAST);
 const map = async () => (await fetch(new URL('/v1/map', server.url))).json();
 const first = await open(server.url);
 const second = await open(server.url);
@@ -156,7 +156,7 @@ await check('What stands in the way is marked in its place, and cannot be publis
 await server.stop();
 
 process.env.GIVEWAY_TOKEN = ADMIN;
-const closed = await serve(program, SCENARIO, scratch());
+const closed = await serve(program, SCENARIO, scratch(), 0, FAST);
 await check('A server with tokens wants somebody to sign in, and then takes the map', async () => {
   const third = await open(closed.url);
   await third.page.getByRole('button', { name: 'Open the server’s map' }).click();

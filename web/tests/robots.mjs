@@ -15,7 +15,7 @@ import {
   openBrowser,
   until,
 } from './chromium.mjs';
-import { serve } from './serve.mjs';
+import { FAST, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -31,7 +31,7 @@ const scenario = JSON.parse(readFileSync(HERE('../../scenarios/mixed.json'), 'ut
 Object.assign(scenario, { map: HERE('../../maps/mixed.json'), robots: 9, jobs: { backlog: 6 }, customers: {} });
 scenario.faults = { emergency_stops_per_hour: 60, manual_drives_per_hour: 60, repair_s: 12 };
 writeFileSync(`${scratch}/robots.json`, JSON.stringify(scenario));
-const { url, stop } = await serve(program, `${scratch}/robots.json`, scratch);
+const { url, stop } = await serve(program, `${scratch}/robots.json`, scratch, 0, FAST);
 const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
 const page = await context.newPage();

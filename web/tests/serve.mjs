@@ -6,6 +6,12 @@ import { rmSync } from 'node:fs';
 export const QUICK = { speed_mps: 3, speed_loaded_mps: 3, accel_unloaded_mps2: 3, accel_loaded_mps2: 3, lift_s: 0.5 };
 
 /**
+ * More arguments of a floor that runs three times as fast as time does, for scripts that wait for robots: not where a
+ * person or a hand moves in the page, nor where the browser draws all the while, which binds the processor.
+ */
+export const FAST = ['--speed', '3'];
+
+/**
  * Starts the program with a scenario, or with what it shows by itself where that is null, and with a database in a
  * folder that is removed when it is stopped. One that was killed can be started again on the same database and port.
  * Further arguments are in `more`.

@@ -16,7 +16,7 @@ import {
   openBrowser,
   until,
 } from './chromium.mjs';
-import { QUICK, serve } from './serve.mjs';
+import { FAST, QUICK, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -53,7 +53,7 @@ const lines = [
   { slot: 'B3', quantity: 1, tote },
 ];
 
-let server = await serve(program, `${scratch}/cells.json`, scratch);
+let server = await serve(program, `${scratch}/cells.json`, scratch, 0, FAST);
 const { url } = server;
 const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: 'dark' });
@@ -229,7 +229,7 @@ await check('A server that was killed is said plainly, and nothing can be presse
   return page.locator('.old').innerText();
 });
 await check('When it is back, the same lines are there, and the display went on by itself', async () => {
-  server = await serve(program, `${scratch}/cells.json`, scratch, new URL(url).port);
+  server = await serve(program, `${scratch}/cells.json`, scratch, new URL(url).port, FAST);
   await isLit('C2');
   const after = await page.locator('.lines li').allInnerTexts();
   assert(after.join('|') === before.join('|'), `${after.join('; ')} instead of ${before.join('; ')}`);

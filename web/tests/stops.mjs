@@ -15,7 +15,7 @@ import {
   openBrowser,
   until,
 } from './chromium.mjs';
-import { serve } from './serve.mjs';
+import { FAST, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -37,7 +37,7 @@ const kinds = scenario.kinds.map((kind) => ({ ...kind, share: 1, fleet: { ...kin
 Object.assign(scenario, { map: `${scratch}/map.json`, robots: 4, jobs: 'none', kinds });
 delete scenario.customers;
 writeFileSync(`${scratch}/stops.json`, JSON.stringify(scenario));
-const { url, stop } = await serve(program, `${scratch}/stops.json`, scratch);
+const { url, stop } = await serve(program, `${scratch}/stops.json`, scratch, 0, FAST);
 const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
 const page = await context.newPage();

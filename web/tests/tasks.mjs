@@ -7,7 +7,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { PATIENCE, assert, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
-import { QUICK, serve } from './serve.mjs';
+import { FAST, QUICK, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -23,7 +23,7 @@ const scenario = {
   fleet: QUICK,
 };
 writeFileSync(join(scratch, 'tasks.json'), JSON.stringify(scenario));
-const server = await serve(program, join(scratch, 'tasks.json'), scratch);
+const server = await serve(program, join(scratch, 'tasks.json'), scratch, 0, FAST);
 const ask = async (method, path, body) => {
   const answer = await fetch(new URL(path, server.url), {
     method,

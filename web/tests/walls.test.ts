@@ -175,6 +175,19 @@ function tooLong(sources: Sources): string[] {
   });
 }
 
+/** Who asks this device for the date: times of the server are compared with the floor's, which `wire/now.ts` knows. */
+const datesOf = (sources: Sources): string[] =>
+  [...sources].flatMap(([path, text]) => (/Date\.now\(\)|new Date\(\)/.test(text) ? [path] : []));
+
+describe('the date', () => {
+  test('is asked of this device in one file', () => {
+    expect(datesOf(new Map(Object.entries(files)))).toEqual(['../src/wire/now.ts']);
+  });
+  test('is found where another file asks for it', () => {
+    expect(datesOf(new Map([['src/a.ts', 'const late = due < Date.now();']]))).toEqual(['src/a.ts']);
+  });
+});
+
 describe('what is written by hand', () => {
   test('no line is wider than it may be, and no file longer', () => {
     const sources = new Map(Object.entries(written));

@@ -7,7 +7,7 @@ use crate::access::caller::Caller;
 use crate::feed::massrobotics::Interop;
 use crate::live::Live;
 use crate::port::Later;
-use crate::port::moment::{Moment, SharedHistory};
+use crate::port::moment::{FloorSimulation, Moment, SharedHistory};
 use crate::port::questions::Question;
 use crate::router;
 use crate::state::alarms::Alarms;
@@ -80,7 +80,7 @@ struct TestServer {
     questions: mpsc::Receiver<Question>,
     clock: Arc<AtomicI64>,
     metrics: Arc<Metrics>,
-    _moments: watch::Sender<Arc<Moment>>,
+    moments: watch::Sender<Arc<Moment>>,
     _closing: watch::Sender<bool>,
 }
 
@@ -129,7 +129,7 @@ impl TestServer {
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let at = listener.local_addr().unwrap();
         tokio::spawn(async move { axum::serve(listener, router(api).0).await });
-        TestServer { at, feeds, heard, questions, clock, metrics, _moments: moments, _closing: closing }
+        TestServer { at, feeds, heard, questions, clock, metrics, moments, _closing: closing }
     }
 
     fn now(&self) -> Time {
@@ -206,6 +206,16 @@ async fn a_stop_leaves_at_once_and_says_which_pose_it_was_decided_with() {
     assert_eq!(stop["pose"], json!({"epoch": 1, "seq": 7}));
     let text = stage.metrics.text(&Moment::default());
     assert!(text.contains("giveway_pose_to_stop_seconds_count 1"), "{text}");
+}
+
+#[tokio::test]
+async fn a_floor_that_runs_faster_than_a_person_walks_refuses_a_headset_and_says_why() {
+    let stage = TestServer::new().await;
+    let simulation = Some(FloorSimulation { speed: 4 });
+    stage.moments.send_replace(Arc::new(Moment { simulation, ..Moment::default() }));
+    let refusal = stage.connect("map").await.next("error").await;
+    let text = &refusal["text"];
+    assert_eq!((&text["code"], &text["args"]["speed"]), (&json!("floor_is_fast"), &json!(4)));
 }
 
 #[tokio::test]

@@ -7,7 +7,7 @@ use crate::dto::alarms;
 use crate::dto::cell::shown::ShownCell;
 use crate::dto::names::{CountersDto, JobCountsDto, Names, RackDto, RobotDto, StationDto};
 use crate::dto::people::WorkerDto;
-use crate::port::moment::Moment;
+use crate::port::moment::{FloorSimulation, Moment};
 use crate::wire::text::{round3, time_text};
 use giveway_fleet::alarm::Alarm;
 use giveway_fleet::history::waits;
@@ -34,6 +34,8 @@ pub struct Frame {
     pub(crate) counters: Value,
     pub(crate) alarms: Value,
     pub(crate) time_s: f64,
+    /// The simulation, where all is simulated; said once, in the snapshot.
+    pub(crate) simulation: Option<FloorSimulation>,
     /// Data for recordings; the live feed sends only `zero` of it.
     pub(crate) beside: Beside,
 }
@@ -95,13 +97,15 @@ impl Frame {
             }),
             alarms: active.iter().map(|a| alarms::row(a, started_s)).collect(),
             time_s: round3(moment.time_s),
+            simulation: moment.simulation,
             beside: Beside::of(&names, moment),
         }
     }
 
     pub(crate) fn snapshot(&self, version: u64) -> Value {
         json!({
-            "type": "snapshot", "version": version, "time_s": self.time_s, "simulated": true,
+            "type": "snapshot", "version": version, "time_s": self.time_s,
+            "simulated": self.simulation.is_some(), "speed": self.simulation.map_or(1, |s| s.speed),
             "started": time_text(self.beside.zero),
             "robots": self.robots, "racks": self.racks, "stations": self.stations,
             "workers": self.workers, "forecasts": self.forecasts, "closures": self.closures,

@@ -1,11 +1,18 @@
 //! The fleet's view at one moment, with measurements of the loop; and figures over time.
 //!
-//! Main types: [`Moment`], [`SharedHistory`]. Refuses: to change anything.
+//! Main types: [`Moment`], [`FloorSimulation`], [`SharedHistory`]. Refuses: to change anything.
 
 use giveway_fleet::history::{History, LoopTimes};
 use giveway_fleet::{Backlog, Expected, View};
 use giveway_floor::time::Time;
 use std::sync::{Arc, Mutex};
+
+/// A floor on which all robots and people are simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FloorSimulation {
+    /// How many times as fast as real time the floor runs; at least 1.
+    pub speed: u32,
+}
 
 /// The fleet at one moment, with measurements of the loop.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,6 +24,8 @@ pub struct Moment {
     pub unheard: Option<usize>,
     /// Seconds since the server started.
     pub time_s: f64,
+    /// The simulation; nothing where people or robots are real, or a recording does not say.
+    pub simulation: Option<FloorSimulation>,
     /// Measurements of the loop.
     pub measured: LoopFigures,
     /// Where people may be in the coming seconds; at most half a second old.

@@ -27,6 +27,11 @@ pub struct Serve {
     /// map published to the running server since then takes precedence over the same file.
     #[arg(long)]
     map: Option<std::path::PathBuf>,
+    /// How many times as fast as real time the floor runs. Only a floor on which everything is simulated can: no
+    /// robots of other vendors, and no headsets. The floor's clock runs ahead of the system's, and stays ahead in this
+    /// database.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=20))]
+    speed: u32,
 }
 
 impl Serve {
@@ -53,7 +58,11 @@ impl Serve {
                 giveway_site::words::method_of(word).map_err(anyhow::Error::msg).context(refused)?;
             site.check_method(&setup.warehouse, "method").context(refused)?;
         }
-        let floor = setup.served();
+        let mut floor = setup.served();
+        floor.source.speed = self.speed;
+        if self.speed > 1 && floor.source.simulation().is_none() {
+            anyhow::bail!(REAL);
+        }
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
         runtime.block_on(serve(&config, floor))?;
         Ok(ExitCode::SUCCESS)
@@ -92,6 +101,10 @@ pub(super) fn trace_to_stderr() {
 
 /// The error if no floor is named.
 const NOTHING: &str = "there is nothing to run: name a site with --site, or a scenario with --scenario";
+
+/// The error if a floor that is not simulated is to be fast.
+const REAL: &str = "--speed is for floors on which everything is simulated; robots of other vendors live in real time: \
+                    leave --speed out";
 
 /// Prints a line; the server goes on if its output was closed.
 macro_rules! say {

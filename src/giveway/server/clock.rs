@@ -33,8 +33,8 @@ impl Clock {
         Clock { origin: Instant::now(), start, speed: 1, last: AtomicI64::new(start) }
     }
 
-    /// The same clock, going this many times as fast: tests do not wait for robots in real time. Only where all robots
-    /// and people are simulated, since they live by this clock.
+    /// The same clock, going this many times as fast. Only where all robots and people are simulated, since they live
+    /// by this clock.
     pub fn at_speed(self, speed: u32) -> Clock {
         assert!(speed > 0, "a clock that stands moves no robot");
         Clock { speed, ..self }
@@ -43,6 +43,11 @@ impl Clock {
     /// For how long a span of this clock lasts by the system's clock.
     pub fn lasts(&self, span: Span) -> Duration {
         Duration::from_micros(span.0.max(0).unsigned_abs()) / self.speed
+    }
+
+    /// How far this clock goes while the system's goes this far.
+    pub fn passes(&self, while_: Duration) -> Span {
+        Span(i64::try_from((while_ * self.speed).as_micros()).unwrap_or(i64::MAX))
     }
 
     /// When this clock started.
@@ -101,6 +106,7 @@ mod tests {
         assert!((20_000_000..=most).contains(&passed.0), "{passed:?} of {most} us");
         assert!(clock.system_ahead().0.abs() < 10_000_000, "{:?}", clock.system_ahead());
         assert_eq!(clock.lasts(Span::from_secs(10)), Duration::from_millis(10));
+        assert_eq!(clock.passes(Duration::from_millis(10)), Span::from_secs(10));
     }
 
     #[test]

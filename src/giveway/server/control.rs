@@ -17,7 +17,9 @@ use super::measure::Measure;
 use super::recordings::BookmarkSender;
 use super::settle::SettleQueue;
 use super::watchdog::Watchdog;
-use giveway_api::{Alarms, Feeds, HeardSighting, Metrics, Moment, QUESTIONS_AT_ONCE, Question};
+use giveway_api::{
+    Alarms, Feeds, FloorSimulation, HeardSighting, Metrics, Moment, QUESTIONS_AT_ONCE, Question,
+};
 use giveway_drive::{Drive, DriveAlarm, GuardedCall, Heard, JournalReport, Sent, WrittenStep};
 use giveway_fleet::{CellWarning, Command, Input, SILENCE};
 use giveway_floor::time::{Span, Time};
@@ -29,7 +31,7 @@ use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
 /// Interval between views; a little less than a tenth of a second, so that a tick does not just miss the next one.
-const PUBLISH: Span = Span::from_millis(95);
+const PUBLISH: Duration = Duration::from_millis(95);
 
 /// Everything that the loop owns.
 pub struct ControlLoop {
@@ -41,6 +43,8 @@ pub struct ControlLoop {
     pub clock: Arc<Clock>,
     /// Period of a turn.
     pub period: Span,
+    /// The simulation, if all robots and people are simulated.
+    pub simulation: Option<FloorSimulation>,
     /// Requests and sightings.
     pub inbox: Inbox,
     /// Questions about the fleet's current state.
@@ -180,7 +184,7 @@ impl ControlLoop {
         }
         let warned = self.send((looked, called), sent);
         // The display of a station shows a warning to a person at once.
-        if warned || now - *published >= PUBLISH {
+        if warned || now - *published >= self.clock.passes(PUBLISH) {
             *published = now;
             self.publish(now);
         }
@@ -281,7 +285,9 @@ impl ControlLoop {
         let Some((forecasts, backlog)) = shown else { return };
         let is_known = now - self.clock.started() >= SILENCE;
         let unheard = view.robots.iter().filter(|robot| robot.heard.is_none() && !is_known).count();
-        let moment = Arc::new(Moment { view, unheard: Some(unheard), time_s, measured, forecasts, backlog });
+        let (unheard, simulation) = (Some(unheard), self.simulation);
+        let moment = Moment { view, unheard, time_s, simulation, measured, forecasts, backlog };
+        let moment = Arc::new(moment);
         self.notes.send(&moment);
         self.moments.send_replace(moment);
     }
@@ -336,6 +342,7 @@ mod tests {
             links,
             clock,
             period,
+            simulation: Some(FloorSimulation { speed: 1 }),
             inbox,
             questions,
             journal,

@@ -33,8 +33,15 @@ impl FrameRecorder {
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let forecasts = self.ahead.of(fleet, now);
         let backlog = self.queue.of(fleet, now);
-        let moment =
-            Moment { view, unheard: Some(0), time_s: now.as_secs_f64(), measured, forecasts, backlog };
+        let moment = Moment {
+            view,
+            unheard: Some(0),
+            time_s: now.as_secs_f64(),
+            simulation: None,
+            measured,
+            forecasts,
+            backlog,
+        };
         Some(Arc::new(Frame::of(fleet.warehouse(), &moment, &self.alarms.list(), 0.0)))
     }
 }

@@ -15,8 +15,8 @@ use super::{
 use anyhow::{Context, anyhow};
 use axum::Router;
 use giveway_api::{
-    Alarms, Api, AuditLog, Caller, Feeds, Gate, KindChecks, Live, Metrics, Moment, Now, QUESTIONS, Question,
-    WebhookAccess, router,
+    Alarms, Api, AuditLog, Caller, Feeds, FloorSimulation, Gate, KindChecks, Live, Metrics, Moment, Now,
+    QUESTIONS, Question, WebhookAccess, router,
 };
 use giveway_drive::Drive;
 use giveway_fleet::Fleet;
@@ -37,7 +37,7 @@ const FLUSH: Duration = Duration::from_secs(10);
 const LAST_FRAMES: Duration = Duration::from_secs(3);
 
 /// The loop is stuck if its view is older than this.
-const STUCK: Span = Span::from_secs(2);
+const STUCK: Duration = Duration::from_secs(2);
 
 /// What the loop shares with other parts.
 #[derive(Clone)]
@@ -65,6 +65,7 @@ struct LoopEnds {
 /// The loop, before its first turn.
 fn control_loop(
     (fleet, links, period): (Fleet, Links, Span),
+    simulation: Option<FloorSimulation>,
     ends: LoopEnds,
     shared: LoopShares,
 ) -> control::ControlLoop {
@@ -75,6 +76,7 @@ fn control_loop(
         links,
         clock,
         period,
+        simulation,
         inbox,
         questions,
         journal,
@@ -156,7 +158,7 @@ impl RunningCore {
         let ((halt, halted), displaced) = (watch::channel(false), gone.clone());
         let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settle, planted };
         let desk = links.desk();
-        let drive = control_loop((fleet, links, period), ends, shares.clone());
+        let drive = control_loop((fleet, links, period), parts.simulation, ends, shares.clone());
         let LoopShares { store, clock, metrics, alarms, feeds } = shares;
         let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
         let alarm_keeper = alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone());
@@ -301,7 +303,7 @@ async fn feed(
     loop {
         let moment = picture.borrow_and_update().clone();
         let age = clock.now() - moment.view.now;
-        if age <= STUCK {
+        if age <= clock.passes(STUCK) {
             alarms.clear(AlarmKind::LoopStuck, clock.now());
         } else {
             alarms.raise(AlarmKind::LoopStuck, sentence::loop_stuck(), clock.now());

@@ -9,7 +9,7 @@ use super::links::{FloorSource, Links, MqttRobots, connect};
 use super::recordings::KeptPast;
 use super::{Config, Planted, ServedFloor, StartSummary, historian, journal};
 use anyhow::Context;
-use giveway_api::{Alarms, Feeds, HeardSighting, Interop, Live, Role, SharedHistory};
+use giveway_api::{Alarms, Feeds, FloorSimulation, HeardSighting, Interop, Live, Role, SharedHistory};
 use giveway_fleet::history::History;
 use giveway_fleet::{Fleet, Ledger, Settings};
 use giveway_floor::time::{Span, Time};
@@ -31,6 +31,7 @@ pub struct ServerParts {
     pub links: Links,
     pub clock: Arc<Clock>,
     pub period: Span,
+    pub simulation: Option<FloorSimulation>,
     pub start: journal::Start,
     pub interop: Interop,
     pub names_for: Vec<Role>,
@@ -245,6 +246,7 @@ pub async fn build(
     let figures =
         SharedHistory::new(clock.started(), settings.policy.word(), History::restore(buckets, heat));
     let (now, floor, period) = (clock.now(), map.clone(), source.site().period);
+    let simulation = source.simulation();
     let broker = match source.site().links.mqtt.clone() {
         Some(link) => Some(connect(with_kept(link, store).await?, &source.site().name)?),
         None => None,
@@ -279,6 +281,7 @@ pub async fn build(
         links,
         clock,
         period,
+        simulation,
         start,
         interop: config.massrobotics.clone(),
         names_for: config.people_names_for.clone(),

@@ -125,8 +125,8 @@ impl RobotSession {
                 return self.reject(now, words);
             }
         } else if !has_it && !is_cancelled {
-            // The robot has forgotten the order: it began anew, perhaps elsewhere. What it drives next, the fleet says when
-            // it has heard where it is.
+            // The robot has forgotten the order: it began anew, perhaps elsewhere. What it drives next, the fleet says
+            // when it has heard where that is.
             (self.order, self.wanted) = (OrderLife::Idle, None);
             progress.known = progress.reached;
             return;

@@ -38,7 +38,8 @@ export class Jobs {
 
   /** Something changed on the floor: ask soon, but not more often than once a second. */
   nudge(): void {
-    if (this.#asking === 0 && this.#askedAt > 0) this.#plan(Math.max(0, this.#askedAt + SOONEST_MS - Date.now()));
+    if (this.#asking === 0 && this.#askedAt > 0)
+      this.#plan(Math.max(0, this.#askedAt + SOONEST_MS - performance.now()));
   }
 
   /** Shows jobs whose reference has this in it; all as long as it is too short. */
@@ -87,7 +88,7 @@ export class Jobs {
     const turn = ++this.#asking;
     clearTimeout(this.#timer);
     this.#dueAt = Infinity;
-    this.#askedAt = Date.now();
+    this.#askedAt = performance.now();
     const { state, part } = this;
     const answer = await this.#api.jobs(state, null, part);
     // The filter may have changed while the answer was under way; then another answer is coming.
@@ -118,7 +119,7 @@ export class Jobs {
   }
 
   #plan(ms: number): void {
-    const due = Date.now() + ms;
+    const due = performance.now() + ms;
     if (due >= this.#dueAt) return;
     clearTimeout(this.#timer);
     this.#dueAt = due;

@@ -1,7 +1,7 @@
 // The present: the map and the live link, as long as the server is there.
 import type { Loaded } from '../parts';
 import { whoIsHere } from '../session';
-import { Link, type Api, type FloorMap, type LinkState, type Mirror } from '../wire';
+import { hearTime, Link, type Api, type FloorMap, type LinkState, type Mirror } from '../wire';
 import { t, trouble } from '../words';
 import { PeopleNames } from './names';
 
@@ -33,6 +33,7 @@ export class Live {
       this.link = state;
     },
     onMirror: (mirror, kind) => {
+      hearTime(mirror);
       if (kind === 'snapshot') this.#follow(mirror.map);
       this.#learnKinds(mirror);
       this.onMirror(this.#names.shown(mirror), kind === 'snapshot' ? 'jump' : 'glide');

@@ -121,6 +121,7 @@ export interface Snapshot {
   /** The version of the map of which it speaks; recordings have their map with them. */
   map?: string;
   simulated: boolean;
+  speed?: number;
   robots: Robot[];
   racks: Rack[];
   stations: Station[];

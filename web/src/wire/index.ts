@@ -32,4 +32,5 @@ export * from './report';
 export { Api, PAST, type Answer } from './api';
 export { Keys, newKey } from './keys';
 export { Link, retryDelay, type Clock, type LinkState, type Socket, type SocketEvents } from './link';
+export { floorDate, floorNow, hearTime } from './now';
 export { activityOf, ageOf, EMPTY, onFloor, reduce, row, type Mirror, type Table } from './mirror';

@@ -18,6 +18,8 @@ export interface Mirror {
   /** The version of the map; null where nothing says it. */
   readonly map: string | null;
   readonly source: 'simulated' | 'real' | 'unknown';
+  /** Seconds of the floor in a second: more than 1 where a simulated floor runs fast. */
+  readonly speed: number;
   readonly robots: Table<Robot>;
   readonly racks: Table<Rack>;
   readonly stations: Table<Station>;
@@ -117,6 +119,7 @@ export const EMPTY: Mirror = {
   started: null,
   map: null,
   source: 'unknown',
+  speed: 1,
   robots: tableOf([], BLANK_ROBOT),
   racks: tableOf([], BLANK_RACK),
   stations: tableOf([], BLANK_STATION),
@@ -141,6 +144,7 @@ export function reduce(mirror: Mirror, message: Message): Reduced {
       started: message.started === undefined ? null : Date.parse(message.started),
       map: message.map ?? null,
       source: message.simulated ? 'simulated' : 'real',
+      speed: message.speed ?? 1,
       robots: tableOf(message.robots, BLANK_ROBOT),
       racks: tableOf(message.racks, BLANK_RACK),
       stations: tableOf(message.stations, BLANK_STATION),
@@ -167,6 +171,7 @@ function patched(old: Mirror, patch: Patch): Mirror {
     started: old.started,
     map: old.map,
     source: old.source,
+    speed: old.speed,
     robots: drive(merge(old.robots, patch.robots, BLANK_ROBOT), old.robots, patch),
     racks: merge(old.racks, patch.racks, BLANK_RACK),
     stations: merge(old.stations, patch.stations, BLANK_STATION),

@@ -165,7 +165,14 @@ impl Components {
         let mut snapshot = vec![
             ("version", whole.clone()),
             ("time_s", seconds.clone()),
-            ("simulated", json!({"type": "boolean"})),
+            (
+                "simulated",
+                json!({"type": "boolean", "description": "Whether all robots and people are simulated"}),
+            ),
+            (
+                "speed",
+                json!({"type": "integer", "minimum": 1, "description": "Seconds of the floor in a second"}),
+            ),
             ("started", json!({"type": "string", "description": "When second 0 of the feed was, RFC 3339"})),
             ("map", json!({"type": "string", "description": "The version of the map, as in GET /v1/map"})),
             ("robots", list(self.schema::<RobotDto>(true))),

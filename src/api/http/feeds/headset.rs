@@ -132,10 +132,15 @@ struct Session<'a> {
 async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
     let late =
         || requests::malformed("no hello within ten seconds: the first message is hello, with versions");
+    let speed = api.moment().simulation.map_or(1, |simulation| simulation.speed);
     let greeted = timeout(GREETING, greeting(&mut socket)).await;
     // A client that has not named its version gets version 1, which has bare text.
     let mut version = 1;
     let end = match greeted.unwrap_or_else(|_| Err(SessionEnd::Bye(close_code::POLICY, late()))) {
+        Ok((both_speak, _)) if speed > 1 => {
+            version = both_speak;
+            Some(SessionEnd::Bye(close_code::POLICY, feed::floor_is_fast(speed)))
+        }
         Ok((both_speak, hello)) => {
             version = both_speak;
             let Some(connection) = api.feeds.connect(worker) else { return };

@@ -227,7 +227,15 @@ impl Screen {
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let forecasts = self.ahead.of(&player.fleet, now);
         let (time_s, backlog) = (now.as_secs_f64(), Arc::default());
-        let moment = Arc::new(Moment { view, unheard: Some(0), time_s, measured, forecasts, backlog });
+        let moment = Arc::new(Moment {
+            view,
+            unheard: Some(0),
+            time_s,
+            simulation: None,
+            measured,
+            forecasts,
+            backlog,
+        });
         self.live.publish(&moment, &self.alarms.list(), 0.0);
         self.moments.send_replace(moment);
     }

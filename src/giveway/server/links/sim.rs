@@ -4,6 +4,7 @@
 //! to show the simulated floor anything of the fleet except the ledger, which any client can read, and what was sent to
 //! it.
 
+use giveway_api::FloorSimulation;
 use giveway_drive::{Drive, GuardedCall, LinkOutput};
 use giveway_fleet::{Input, Ledger};
 use giveway_floor::time::{Span, Time};
@@ -22,9 +23,8 @@ pub struct FloorSource {
     pub lines: Vec<OrderFileLine>,
     /// Whether anything is simulated. If not, no robot is, not even one that is registered later.
     pub is_simulated: bool,
-    /// How many times as fast as the system's clock the floor's clock goes. More than 1 in tests alone: pages and
-    /// headsets live by the system's clock.
-    #[doc(hidden)]
+    /// How many times as fast as the system's clock the floor's clock goes: more than 1 only where everything is
+    /// simulated.
     pub speed: u32,
 }
 
@@ -53,6 +53,12 @@ impl FloorSource {
     /// The site.
     pub fn site(&self) -> &Site {
         &self.scenario.site
+    }
+
+    /// The simulation, if there are no links to real robots.
+    pub fn simulation(&self) -> Option<FloorSimulation> {
+        (self.is_simulated && self.site().links.mqtt.is_none())
+            .then_some(FloorSimulation { speed: self.speed })
     }
 
     /// The site, to be changed before the floor runs.
