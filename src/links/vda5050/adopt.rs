@@ -13,8 +13,10 @@ impl RobotSession {
     /// until this process has sent something itself.
     pub(super) fn adopt(&mut self, now: Time) {
         let Some(granted) = self.adopts else { return };
-        if !self.knows_what_was_ordered() {
-            return self.look_again(now);
+        // What a state has shown once is known: a robot may list what it was asked in a few states only.
+        self.has_answered |= self.is_answer();
+        if !self.has_answered {
+            return if self.first_asked.is_none() { self.request_state(now) } else { self.look_again(now) };
         }
         let (Some((_, state)), Some(progress)) = (&self.state, &mut self.progress) else { return };
         let drives = state.nodes.iter().any(|node| node.released);
@@ -51,7 +53,7 @@ impl RobotSession {
     /// Whether no order of an earlier process can be unknown: there was none, or a state has come that answers this
     /// process.
     pub(super) fn knows_what_was_ordered(&self) -> bool {
-        self.adopts.is_none() || self.is_answer()
+        self.adopts.is_none() || self.has_answered
     }
 
     /// Whether the robot said its last state after this session had asked for one: it lists what it was asked, or had

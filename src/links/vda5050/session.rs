@@ -171,6 +171,8 @@ pub struct RobotSession {
     pub(super) progress: Option<RobotProgress>,
     /// The last visit that the robot was granted before this process, until this one has ordered something itself.
     pub(super) adopts: Option<u64>,
+    /// Whether a state has come that answers this session.
+    pub(super) has_answered: bool,
     /// When this session first asked for a state.
     pub(super) first_asked: Option<Time>,
     pub(super) charge: ChargeLife,
@@ -232,6 +234,7 @@ impl RobotSession {
             wanted: None,
             progress: None,
             adopts: None,
+            has_answered: false,
             first_asked: None,
             charge: ChargeLife::Off,
             trigger: TriggerLife::default(),
