@@ -3,7 +3,7 @@
 //! Main function: [`parse`]. Refuses: unknown keys, and numbers out of range.
 
 use crate::check::{SiteError, check};
-use crate::kinds::{KindFigures, NamedKind, read_kinds, read_links};
+use crate::kinds::{KindFigures, NamedKind, read_links, read_site_kinds};
 use crate::vda5050::{ListedRobot, ListedRobotFile, MqttLink, MqttLinkFile, RobotLinkSettings, read_robots};
 use crate::{SimLink, Site, SiteLinks, words};
 use giveway_cell::Flow;
@@ -87,11 +87,12 @@ pub fn parse(text: &str) -> Result<Site, SiteError> {
     check("links.sim.robots", robots as f64, 0.0..=10_000.0, "from 0 to 10000")?;
     let forms = read_links(&mut file.kinds)?;
     let robots = read_robots(file.robots, &forms)?;
-    let mqtt = read_mqtt(file.links.mqtt, forms, robots)?;
+    let (kinds, open) = read_site_kinds(file.fleet, file.kinds, &forms)?;
+    let mqtt = read_mqtt(file.links.mqtt, forms, robots)?.map(|link| MqttLink { open, ..link });
     Ok(Site {
         name: file.name,
         map: file.map,
-        kinds: read_kinds(file.fleet, file.kinds)?,
+        kinds,
         policy: file.policy.unwrap_or(usual.policy),
         method: file.method.unwrap_or(usual.method),
         node_windows: file.node_windows.unwrap_or(usual.node_windows),

@@ -4,7 +4,7 @@
 //! name, and impossible figures.
 
 use crate::check::{SiteError, check};
-use crate::open_kind::KindFigure;
+use crate::open_kind::{KindFigure, OpenKind};
 use crate::vda5050::{LinkFigures, RobotLinkSettings};
 use crate::words;
 use giveway_fleet::{Capabilities, Charging, ObeyedLimits, RobotKind, USUAL_KIND};
@@ -113,11 +113,18 @@ impl Default for Battery {
 /// # Errors
 /// If both are given, two kinds have one name, or names or figures are invalid.
 pub fn read_kinds(fleet: Option<KindFigures>, kinds: Vec<NamedKind>) -> Result<Vec<RobotKind>, SiteError> {
+    check_names(fleet.as_ref(), &kinds)?;
     if kinds.is_empty() {
         return Ok(vec![fleet.unwrap_or_default().kind(USUAL_KIND.to_owned(), "fleet")?]);
     }
+    let read = |(i, kind): (usize, NamedKind)| kind.fleet.kind(kind.name, &format!("kinds[{i}].fleet"));
+    kinds.into_iter().enumerate().map(read).collect()
+}
+
+/// Checks that there are kinds or a `fleet`, not both, and the kinds' names.
+fn check_names(fleet: Option<&KindFigures>, kinds: &[NamedKind]) -> Result<(), SiteError> {
     let wrong = |message: String| Err(SiteError::Wrong { key: "kinds", message });
-    if fleet.is_some() {
+    if fleet.is_some() && !kinds.is_empty() {
         return wrong("leave `fleet` out if there are kinds: each has a `fleet` of its own".into());
     }
     for (i, kind) in kinds.iter().enumerate() {
@@ -128,8 +135,37 @@ pub fn read_kinds(fleet: Option<KindFigures>, kinds: Vec<NamedKind>) -> Result<V
             return wrong(format!("there are two kinds named {:?}", kind.name));
         }
     }
-    let read = |(i, kind): (usize, NamedKind)| kind.fleet.kind(kind.name, &format!("kinds[{i}].fleet"));
-    kinds.into_iter().enumerate().map(read).collect()
+    Ok(())
+}
+
+/// The kinds of a site's file, and those that are known only once a robot of them is heard: they speak VDA 5050, and
+/// the file leaves figures out that a factsheet may say. Where all kinds are so, simulated robots are of the usual one.
+///
+/// # Errors
+/// As [`read_kinds`], also for what the file says of kinds that are not known yet.
+pub(crate) fn read_site_kinds(
+    fleet: Option<KindFigures>,
+    kinds: Vec<NamedKind>,
+    links: &BTreeMap<String, RobotLinkSettings>,
+) -> Result<(Vec<RobotKind>, Vec<OpenKind>), SiteError> {
+    check_names(fleet.as_ref(), &kinds)?;
+    // The usual kind is there from the start.
+    let is_open = |name: &str, figures: &KindFigures| {
+        let leaves_out = KindFigure::ALL.iter().any(|figure| figures.leaves_out(*figure));
+        links.contains_key(name) && name != USUAL_KIND && leaves_out
+    };
+    let (mut known, mut open) = (Vec::new(), Vec::new());
+    for (i, NamedKind { name, fleet: figures, .. }) in kinds.into_iter().enumerate() {
+        let usual = figures.clone().kind(name.clone(), &format!("kinds[{i}].fleet"))?;
+        match is_open(&name, &figures) {
+            true => open.push(OpenKind { name, figures }),
+            false => known.push(usual),
+        }
+    }
+    if known.is_empty() {
+        known = read_kinds(fleet, Vec::new())?;
+    }
+    Ok((known, open))
 }
 
 /// What is set for the robots of each kind that speaks VDA 5050, by the kind's name. What the kinds' figures do not say

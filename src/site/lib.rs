@@ -157,6 +157,10 @@ impl Site {
     /// # Errors
     /// Kinds for which the building was not drawn.
     pub fn fit(&self, warehouse: &Arc<Warehouse>) -> Result<Arc<Warehouse>, Findings> {
+        let open = self.links.mqtt.iter().flat_map(|link| &link.open);
+        for kind in open.filter_map(|kind| kind.filled(None).ok()) {
+            fitted(warehouse, &[kind])?;
+        }
         fitted(warehouse, &self.kinds)
     }
 

@@ -474,14 +474,34 @@ mod tests {
             (2, 3.0, crate::RepeatRule::Never)
         );
         assert_eq!(form.lift.parameters[0].key, "stationType");
-        assert!(
-            form.free_navigation && site.kinds[0].free_navigation,
-            "beside the line it is where it may be"
-        );
-        let can = site.kinds[0].capabilities;
+        let kind = mqtt.open[0].filled(None).expect("a kind");
+        assert!(form.free_navigation && kind.free_navigation, "beside the line it is where it may be");
+        let can = kind.capabilities;
         assert_eq!((can.revocation, can.drives_back, can.horizon_nodes), (true, false, 2));
         assert_eq!(can.limits, giveway_fleet::ObeyedLimits::Stops);
         assert_eq!(site.links.names(), ["mqtt"]);
+    }
+
+    #[test]
+    fn a_kind_of_a_site_that_leaves_figures_out_is_known_once_a_robot_of_it_is_heard() {
+        let kinds = |fleet: &str| {
+            let site = with(&format!(
+                r#""kinds": [{{"name": "tug", "fleet": {{{fleet}}}, "link": {{"maps": {{"m": {{}}}}}}}}], {BROKER}"#
+            ))?;
+            let link = site.links.mqtt.expect("a link");
+            let names = |all: &mut dyn Iterator<Item = String>| all.collect::<Vec<_>>().join(",");
+            let known = site.kinds.iter().map(|kind| kind.name.to_string());
+            Ok::<_, String>((
+                names(&mut { known }),
+                names(&mut link.open.iter().map(|kind| kind.name.clone())),
+            ))
+        };
+        let whole =
+            r#""speed_mps": 1, "accel_unloaded_mps2": 1, "payload_kg": 500, "footprint": {"square_m": 0.8}"#;
+        assert_eq!(kinds(r#""speed_mps": 1"#).expect("a site"), ("robot".into(), "tug".into()));
+        assert_eq!(kinds(whole).expect("a site"), ("tug".into(), String::new()));
+        let wrong = kinds(r#""speed_mps": -1"#).expect_err("no robot drives so");
+        assert!(wrong.contains("kinds[0].fleet.speed_mps"), "{wrong}");
     }
 
     #[test]
