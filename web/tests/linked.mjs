@@ -1,12 +1,13 @@
 // Robots of other vendors in a real browser, over a real broker: one is not ready, drives, lies, is looked after and
-// leaves; another is listed on the page and needs consent. This test starts the broker, the robots and the server
-// itself: node tests/linked.mjs PATH-TO-GIVEWAY
-import { spawn } from 'node:child_process';
+// leaves when it is switched off; another is probed, listed on the page and needs consent. This test starts the broker,
+// the robots and the server itself: node tests/linked.mjs PATH-TO-GIVEWAY
+import { execFile, spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { connect, createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
 import {
   PATIENCE,
   assert,
@@ -169,6 +170,16 @@ await check('It drives by an order, which its card names', async () => {
   await order.first().waitFor({ timeout: 2 * PATIENCE });
   return (await ask('/v1/robots/liar/link')).order;
 });
+await check(
+  'A robot is probed before anybody lists it: it does not pause, and keeps standing where it is',
+  async () => {
+    const asked = ['robot', 'probe', '--mqtt', mqtt, '--robot', 'giveway/stubborn', '--json'];
+    const { stdout } = await promisify(execFile)(program, asked);
+    const found = JSON.parse(stdout);
+    assert(found.pause === 'none' && found.version === '2.1.0', stdout);
+    return `pause ${found.pause}, repeat ${found.repeat}, factsheet ${found.factsheet}`;
+  },
+);
 await check('A robot that nobody listed is listed on the page, and needs consent since it does not pause', async () => {
   const line = tab.locator('[data-unlisted="stubborn"]');
   await line.getByRole('button', { name: 'Add a robot' }).click();
@@ -219,12 +230,22 @@ await check('It was looked after, and is told to leave the floor', async () => {
   await context.request.delete(new URL('/v1/jobs/j1', url).href);
   await card.getByRole('button', { name: 'Remove from the floor' }).click();
   await card.getByRole('button', { name: 'Keep on the floor' }).waitFor({ timeout: PATIENCE });
+  const leaves = async () => {
+    const { doing, why } = await ask('/v1/robots/liar');
+    return doing === 'idle' && why?.code === 'leaves';
+  };
+  await until('a robot that may be switched off', leaves);
+  await card.getByText('switch it off').first().waitFor({ timeout: PATIENCE });
+});
+await check('Switched off, it has left the floor, and the page has let go of it', async () => {
+  robots.kill('SIGINT');
+  await until('a robot that has left', async () => (await ask('/v1/robots/liar')).state === 'gone', 90);
+  await tab.locator('tbody').getByText('liar').waitFor({ state: 'detached', timeout: PATIENCE });
+  await shot('linked-left-light');
 });
 await check('Nothing went wrong in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
 robots?.kill('SIGINT');
-await new Promise((done) => {
-  robots?.once('exit', done);
-});
+await until('robots that are off', () => robots === null || robots.exitCode !== null, 20);
 await stop();
 broker.kill();
 await finish(browser);
