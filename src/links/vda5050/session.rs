@@ -6,7 +6,7 @@
 
 use super::acts::ActFailure;
 use super::charge::ChargeLife;
-use super::contact::Obedience;
+use super::contact::{NotReady, Obedience};
 use super::lease::Leases;
 use super::motion::SeenMotion;
 use super::notice::Notice;
@@ -392,7 +392,12 @@ impl RobotSession {
         self.prove_obedience(now);
         self.ask_for_factsheet(now);
         self.mind_zones(now);
-        if !self.mind_cancel(now) && self.not_ready(now).is_none() {
+        let (cancels, not_ready) = (self.mind_cancel(now), self.not_ready(now));
+        if !cancels && not_ready == Some(NotReady::NeedsButton) {
+            // It may take a trigger yet.
+            self.mind_trigger(now);
+        }
+        if !cancels && not_ready.is_none() {
             self.note_arrival(now);
             if !self.mind_charge(now) {
                 self.mind_order(now);

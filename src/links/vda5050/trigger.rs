@@ -1,8 +1,8 @@
 //! Waiting at a work cell, 3.0: the order ends with `waitForTrigger`, and the dismissal begins with `trigger`.
 //!
 //! Main functions: `wait_at_cell`, `mind_trigger`. A robot waits so if its factsheet offers both; others just stand at
-//! the end of their order, and so does from then on one that took no trigger in time: a person has to press its button
-//! once. Refuses: to send an order to a robot that still waits, which it would reject.
+//! the end of their order, and so does from then on one that took no trigger: a person has to press its button once.
+//! Refuses: to send an order to a robot that still waits, which it would reject.
 
 use super::session::{AskedAction, RobotSession};
 use giveway_floor::time::{Span, Time};
@@ -13,17 +13,15 @@ const WAIT: &str = "waitForTrigger";
 pub(super) const TRIGGER: &str = "trigger";
 /// A trigger that the robot refused is sent again after this.
 const AGAIN: Span = Span::from_secs(2);
-/// A robot that has taken no trigger for this long needs a person.
-const PATIENCE: Span = Span::from_secs(30);
+/// A robot that was told so often, each time with a later state that shows nothing of it, needs a person.
+const TIMES: u32 = 3;
 
 /// What is known of triggers of a robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct TriggerLife {
     /// The trigger that was sent.
     asked: Option<AskedAction>,
-    /// When the first trigger for the current waiting was sent.
-    since: Option<Time>,
-    /// Whether the robot once took no trigger in time: it is not made to wait for one again.
+    /// Whether the robot once took no trigger: it is not made to wait for one again.
     is_untaken: bool,
 }
 
@@ -46,20 +44,21 @@ impl RobotSession {
     /// Dismisses a robot that waits at a work cell and is to go on. Gives whether an order has to wait for it.
     pub(super) fn mind_trigger(&mut self, now: Time) -> bool {
         let Some(waits) = self.waits_for_trigger().map(|said| said.status) else {
-            self.trigger = TriggerLife { is_untaken: self.trigger.is_untaken, ..TriggerLife::default() };
+            self.trigger.asked = None;
             return false;
         };
         if matches!(waits, ActionStatus::Waiting) {
             self.look_again(now);
             return true;
         }
-        let since = *self.trigger.since.get_or_insert(now);
-        self.trigger.is_untaken |= now - since >= PATIENCE;
         let asked = match self.trigger.asked.take() {
             None => self.ask(now, TRIGGER),
-            Some(asked) if self.has_failed(&asked) && now - asked.last >= AGAIN => self.ask(now, TRIGGER),
+            Some(asked) if self.has_failed(&asked) && now - asked.last >= AGAIN => {
+                AskedAction { tries: asked.tries + 1, ..self.ask(now, TRIGGER) }
+            }
             Some(asked) => self.ask_again(now, asked, TRIGGER),
         };
+        self.trigger.is_untaken |= asked.tries > TIMES;
         self.trigger.asked = Some(asked);
         true
     }

@@ -180,8 +180,9 @@ fn drawn_robots_with_drawn_habits_and_faults_do_every_job_once() {
     assert_eq!(failed, [0; 0], "seeds that failed, of {first} to {last}");
 }
 
-/// Each with what it found: a trigger that was never read; a state that was lost thrice; a pause by hand; a silent robot
-/// at a work cell; an action that outlived its order's cancel; a reboot elsewhere; an answer that was listed once.
+/// Each with what it found: a trigger that was never read; a state that was lost thrice; a pause by hand; a robot that
+/// is silent at a work cell; an action that outlived its order's cancel; reboots elsewhere; an answer that was listed
+/// only for a while.
 const FAILED_ONCE: [u64; 8] = [20_011, 100_698, 200_144, 200_521, 201_510, 400_896, 402_362, 602_749];
 
 #[test]
