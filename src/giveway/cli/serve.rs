@@ -112,6 +112,7 @@ macro_rules! say {
 }
 
 async fn serve(config: &Config, floor: ServedFloor) -> anyhow::Result<()> {
+    let speed = floor.source.speed;
     outlive_limits().context("cannot prepare for a limit on the size of files")?;
     // A start may wait indefinitely for room on the disk.
     let mut server = tokio::select! {
@@ -135,6 +136,9 @@ async fn serve(config: &Config, floor: ServedFloor) -> anyhow::Result<()> {
         0 if found.listed == 0 => say!("map      {}, no robots: the site has no link to any", found.map),
         0 => say!("map      {}", found.map),
         robots => say!("map      {}, {robots} robots (simulated)", found.map),
+    }
+    if speed > 1 {
+        say!("speed    {speed} times as fast as time: the floor's clock runs ahead of this machine's");
     }
     if let Some(broker) = &found.broker {
         say!("broker   {broker}, {} robots are listed", found.listed);

@@ -28,7 +28,8 @@ impl Clock {
         let start = last.map_or(wall, |last| wall.max(last.0 + 1));
         if start - wall > TOLERANCE.0 {
             let ahead_s = (start - wall) / 1_000_000;
-            tracing::warn!(ahead_s, "the journal is ahead of the system clock: was the clock set back?");
+            let why = "was that set back, or did the floor run with --speed?";
+            tracing::warn!(ahead_s, "the journal is ahead of the system's clock: {why}");
         }
         Clock { origin: Instant::now(), start, speed: 1, last: AtomicI64::new(start) }
     }
