@@ -77,7 +77,7 @@ const listed = write('robots.json', {
 });
 const scenario = write('floor.json', { giveway_scenario: 1, name: 'others', map: MAP, robots: 0, jobs: 'none' });
 const { url, stop } = await serve(program, scenario, scratch, 0, ['--mqtt', mqtt, '--robots', listed]);
-/** Switches the robots on. One does not know where it is for a while, and ends its orders without their picks; the
+/** Switches the robots on. One does not know where it is until it is told, and ends its orders without their picks; the
  *  other does not pause. */
 function switchOn() {
   const places = [
@@ -85,7 +85,7 @@ function switchOn() {
     { serial: 'stubborn', node: 'G3-7' },
   ];
   const faults = [
-    { fault: 'not_localized', at_s: 0, for_s: 15, robots: ['liar'] },
+    { fault: 'not_localized', at_s: 0, for_s: 900, robots: ['liar'] },
     { fault: 'quirk', quirk: 'order_actions', value: 'skipped_in_silence', robots: ['liar'] },
     { fault: 'quirk', quirk: 'pause', value: 'fails_and_drives_on', robots: ['stubborn'] },
   ];
@@ -153,7 +153,12 @@ await check('It is told where it stands by a drag on the map, and says what beca
   await page.mouse.up();
   const fate = waiting.locator('[data-action="initPosition"]');
   await fate.waitFor({ timeout: PATIENCE });
-  await until('a fate', async () => (await fate.getAttribute('data-status')) === 'FINISHED', 20);
+  // It knows where it stands from then on, joins, and is no longer in this list.
+  const ends = async () => {
+    const status = fate.getAttribute('data-status', { timeout: 500 }).catch(() => null);
+    return (await status) === 'FINISHED' || (await ask('/v1/robots/liar/link')).joined;
+  };
+  await until('an end of that', ends, 40);
   // A job that waits for it, so that it need not park first.
   const job = await context.request.post(new URL('/v1/jobs', url).href, {
     headers: { 'Idempotency-Key': 'one' },

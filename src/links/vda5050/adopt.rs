@@ -13,8 +13,6 @@ impl RobotSession {
     /// until this process has sent something itself.
     pub(super) fn adopt(&mut self, now: Time) {
         let Some(granted) = self.adopts else { return };
-        // What a state has shown once is known: a robot may list what it was asked in a few states only.
-        self.has_answered |= self.is_answer();
         if !self.has_answered {
             return if self.first_asked.is_none() { self.request_state(now) } else { self.look_again(now) };
         }
@@ -58,7 +56,7 @@ impl RobotSession {
 
     /// Whether the robot said its last state after this session had asked for one: it lists what it was asked, or had
     /// time to answer. An earlier state may be older than the last order of an earlier process.
-    fn is_answer(&self) -> bool {
+    pub(super) fn is_answer(&self) -> bool {
         let Some((heard, state)) = &self.state else { return false };
         let mut listed = state.actions.iter().chain(&state.instant_actions);
         let lists = listed.any(|action| boot_of(&action.id) == Some(self.boot));
