@@ -9,6 +9,7 @@ use giveway::sim::swarm::{SwarmCase, SwarmRun, SwarmTally};
 use giveway::sim::{Demand, JobTally, OrderFileLine, Outcome, Scenario, Simulation};
 use giveway::time::{Span, Time};
 use giveway::warehouse::{Warehouse, formats, room_for};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -374,21 +375,46 @@ fn every_scenario_file_has_its_test() {
     }
 }
 
-/// Cases that failed once, as `giveway swarm --keep tests/seeds` writes them.
-#[test]
-fn drawn_floors_that_failed_once_keep_their_laws_and_heal() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/seeds");
-    let mut files: Vec<_> =
-        std::fs::read_dir(folder).expect("kept seeds").flatten().map(|e| e.path()).collect();
+/// The cases in a folder, as `giveway swarm --keep FOLDER` writes them, each with its file and what broke.
+fn kept(folder: &str) -> Vec<(PathBuf, SwarmCase, String)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let files = std::fs::read_dir(folder).expect("kept seeds").flatten().map(|entry| entry.path());
+    let mut files: Vec<_> = files.filter(|file| file.extension().is_some_and(|e| e == "json")).collect();
     files.sort();
-    assert!(files.len() > 8);
-    for file in files {
+    let read = |file: PathBuf| {
         let text = std::fs::read_to_string(&file).expect("it is text");
         let kept: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
         let command = kept["command"].as_str().expect("it has a command");
-        let case: SwarmCase = command.parse().unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        let case = command.parse().unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        let what = kept["what"].as_str().expect("it says what broke").to_owned();
+        (file, case, what)
+    };
+    files.into_iter().map(read).collect()
+}
+
+#[test]
+fn drawn_floors_that_failed_once_keep_their_laws_and_heal() {
+    let cases = kept("tests/seeds");
+    assert!(cases.len() > 8);
+    for (file, case, _) in cases {
         let (_, failure) = SwarmRun::whole(&case).unwrap_or_else(|e| panic!("{case}: {e}"));
         assert_eq!(failure, None, "{}: {case}", file.display());
+    }
+}
+
+/// Failures that are not mended yet: whoever mends one moves its file to those above. One is run for each law that is
+/// broken, all with `GIVEWAY_OPEN_SEEDS=all`.
+#[test]
+fn drawn_floors_that_are_not_mended_yet_are_known() {
+    let all = std::env::var("GIVEWAY_OPEN_SEEDS").is_ok_and(|which| which == "all");
+    let mut laws = BTreeSet::new();
+    for (file, case, what) in kept("tests/seeds/open") {
+        let law = what.split(" at ").next().map(str::to_owned);
+        if !laws.insert(law) && !all {
+            continue;
+        }
+        let (_, failure) = SwarmRun::whole(&case).unwrap_or_else(|e| panic!("{case}: {e}"));
+        assert!(failure.is_some(), "{} is mended: move it to tests/seeds", file.display());
     }
 }
 
