@@ -359,7 +359,7 @@ impl RobotSession {
         self.state = Some((now, state));
         self.unanswered = None;
         // What a state has shown once is known: a robot may list what it was asked in a few states only.
-        self.has_answered |= self.is_answer();
+        self.has_answered = self.has_answered || self.is_answer();
         self.note_paused(now);
         self.adopt(now);
         self.note_order(now);

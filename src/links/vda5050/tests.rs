@@ -376,7 +376,7 @@ impl LinkFloor {
                 assert!(before.is_none_or(|b| b == i), "{:?}: {node} is released to two robots", self.now);
             }
         }
-        // Nobody can avoid a robot that has never said where it is.
+        // A robot that has never said where it is cannot be avoided.
         let known = self.pairs.iter().filter(|pair| pair.number.is_some() || pair.session.state().is_some());
         let bodies: Vec<(f64, f64)> = known.map(Pair::place).collect();
         for (i, a) in bodies.iter().enumerate() {

@@ -72,7 +72,7 @@ impl LinkFloor {
             let carries = robot.robot.state().loads.is_some_and(|loads| !loads.is_empty());
             match session.not_ready(self.now) {
                 Some(NotReady::NoPause(_)) => session.consent(),
-                // A person goes and looks.
+                // The operator goes there and presses the button.
                 Some(NotReady::NeedsButton | NotReady::NeverSeen | NotReady::Silent) => {
                     robot.robot.press_trigger();
                 }
