@@ -175,7 +175,7 @@ function tooLong(sources: Sources): string[] {
   });
 }
 
-/** Who asks this device for the date: times of the server are compared with the floor's, which `wire/now.ts` knows. */
+/** The files that ask this device for the date: the server's times are compared with the floor's, of `wire/now.ts`. */
 const datesOf = (sources: Sources): string[] =>
   [...sources].flatMap(([path, text]) => (/Date\.now\(\)|new Date\(\)/.test(text) ? [path] : []));
 

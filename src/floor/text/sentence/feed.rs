@@ -49,8 +49,7 @@ sentences! {
     replaced_by_another() = "another connection of this worker replaced this one";
     token_ended() = "the token of this connection no longer holds";
     server_shutting_down() = "server shutting down";
-    floor_is_fast(speed) =
-        "this floor runs {speed} times as fast as you walk: a headset needs one that was started without --speed";
+    floor_is_fast(speed) = "the clock of this floor goes {speed} times as fast as yours: start it without --speed";
     no_worker_for_uuid(uuid) =
         "no worker is known as {uuid}: POST /v1/workers with this uuid as the name, or name the worker under \
          [massrobotics.workers] of the settings file";
