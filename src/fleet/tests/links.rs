@@ -140,12 +140,15 @@ fn robots_that_can_do_everything_are_slowed_stopped_and_shown_no_horizon() {
 }
 
 #[test]
-fn robots_that_can_only_stop_are_told_nothing_but_stops_and_their_ends() {
+fn robots_that_can_only_stop_are_stopped_and_their_links_told_how_fast_they_may_leave() {
     let can = Capabilities { limits: ObeyedLimits::Stops, revocation: false, ..Capabilities::default() };
     let orders = orders_to(can);
     let told: Vec<&Command> = orders.iter().filter(|c| !matches!(c, Command::Drive { .. })).collect();
-    assert!(told.iter().all(|c| matches!(c, Command::Limit(None | Some(0.0)))), "{told:?}");
+    assert!(told.iter().all(|c| matches!(c, Command::Limit(_))), "{told:?}");
     assert!(told.contains(&&Command::Limit(Some(0.0))), "the person is met");
+    let slow = told.iter().filter(|c| matches!(c, Command::Limit(Some(mps)) if *mps > 0.0)).count();
+    let stops = told.iter().filter(|c| matches!(c, Command::Limit(Some(0.0)))).count();
+    assert!(slow > 0 && slow < 20 * stops, "{slow} limits, {stops} stops: none is insisted on for ever");
 }
 
 #[test]

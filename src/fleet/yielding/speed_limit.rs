@@ -97,7 +97,9 @@ impl Yielding {
             self.state.of_mut(robot).note_standing(node, limit.or(wished), because, is_revoked, now);
             let told = self.state.of(robot).limit_told;
             let same = told.map_or(limit.is_none(), |(l, _)| l == limit);
-            let known = seen.limit_mps == limit;
+            // One that only stops does not say what else it was told.
+            let is_obeyed = |mps: &f64| obeys == ObeyedLimits::Speeds || *mps == 0.0;
+            let known = seen.limit_mps == limit.filter(is_obeyed);
             // A limit that was not set here is older than a restart, or the server's own while the journal was full.
             if same && (known || told.is_some_and(|(_, at)| now - at < INSIST)) {
                 continue;
@@ -230,9 +232,9 @@ impl SpeedLimits<'_> {
         }
     }
 
-    /// The limit for a robot that can stop but cannot be slow: it stands where others would be slow, unless it drives
-    /// away from the person or has stood there for long, since it could not get out of the way otherwise. In that case,
-    /// the robot is granted one node at a time.
+    /// The limit for a robot that can stop but cannot be slow at once: it stands where others would be slow, unless it
+    /// drives away from the person or has stood there for long, since it could not get out of the way otherwise. In
+    /// that case, the robot is granted one node at a time, and its link is told the limit for what it orders next.
     fn as_stop(
         &self,
         robot: RobotId,
@@ -245,7 +247,7 @@ impl SpeedLimits<'_> {
         let at = self.floor.place_of(robot);
         let drives_away =
             self.people.whereabouts(worker, now).is_none_or(|w| self.drives_away(robot, at, &w, now));
-        (!drives_away && self.yielding.stood_for(robot, now).is_none()).then_some(0.0)
+        if drives_away || self.yielding.stood_for(robot, now).is_some() { slow } else { Some(0.0) }
     }
 
     /// How fast a robot may be so that it does not come towards a person too fast: of its speed along its way, the

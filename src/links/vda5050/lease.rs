@@ -88,7 +88,7 @@ impl RobotSession {
 
     /// Whether the fleet neither limits the robot nor lets it stand.
     fn is_unlimited(&self) -> bool {
-        !self.is_limited && !self.pause.wanted && self.pause.stage == PauseState::Drives
+        self.limit_mps.is_none() && !self.pause.wanted && self.pause.stage == PauseState::Drives
     }
 
     /// Whether the robot drives by an order of ours, so that it may need what it asks for.

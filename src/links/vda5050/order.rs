@@ -382,6 +382,7 @@ impl RobotSession {
         );
         let lanes = all.windows(2).map(|ends| (ends[0].1, ends[1].1));
         let edges = nodes.windows(2).zip(lanes).map(|(ends, (from, to))| Edge {
+            max_speed_mps: self.slow_mps(),
             corridor: self.corridor(from, to).filter(|_| !is_temporary(&ends[0].id)),
             ..edge(&ends[0], &ends[1])
         });

@@ -162,8 +162,8 @@ pub struct RobotSession {
     pub(super) motion: SeenMotion,
     pub(super) obedience: Obedience,
     pub(super) pause: PauseLife,
-    /// Whether the fleet limits the robot's speed.
-    pub(super) is_limited: bool,
+    /// The speed to which the fleet limits the robot, metres per second.
+    pub(super) limit_mps: Option<f64>,
     /// What the robot was granted that it asked for.
     pub(super) leases: Leases,
     pub(super) order: OrderLife,
@@ -228,7 +228,7 @@ impl RobotSession {
             motion: SeenMotion::default(),
             obedience: Obedience::Unproven,
             pause: PauseLife::default(),
-            is_limited: false,
+            limit_mps: None,
             leases: Leases::default(),
             order: OrderLife::Idle,
             wanted: None,
@@ -309,7 +309,7 @@ impl RobotSession {
                 }
             }
             Command::Limit(limit) => {
-                (self.is_limited, self.pause.wanted) = (limit.is_some(), *limit == Some(0.0));
+                (self.limit_mps, self.pause.wanted) = (*limit, *limit == Some(0.0));
             }
             Command::Revoke { reached, number } => self.revoke(now, *reached, *number),
         }

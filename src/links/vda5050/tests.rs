@@ -29,6 +29,7 @@ mod lies;
 mod losses;
 mod people;
 mod presence;
+mod slow;
 mod validity;
 mod zones;
 
@@ -184,7 +185,7 @@ impl LinkFloor {
         let mut floor = LinkFloor {
             fleet,
             now: Time::ZERO + Span::from_secs(1),
-            boot: 1_800_000_000_000,
+            boot: losses::FIRST_BOOT_MS,
             pairs: Vec::new(),
             ended: BTreeMap::new(),
             picks: BTreeMap::new(),
@@ -462,7 +463,7 @@ impl OrderWatch {
                 let last = before.nodes.iter().rfind(|node| node.released).expect("the first is released");
                 // Numbers leap where a process goes on with an order of an earlier one.
                 let leaps = order.update > before.update.max(1_000_000);
-                assert!(order.update == before.update + 1 || leaps, "{order:?}");
+                assert!(order.update == before.update + 1 || leaps, "{order:?} after {before:?}");
                 // What was sent and lost is no part of what the robot has.
                 let first = &order.nodes[0];
                 // A robot that began anew has nothing, and takes it for another order.

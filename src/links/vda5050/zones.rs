@@ -1,14 +1,15 @@
 //! Zones, 3.0: closed areas of the floor as BLOCKED zones, so that a robot that plans for itself keeps out of them,
-//! too.
+//! too; and a SPEED_LIMIT zone over the way of a robot that is to drive slowly.
 //!
-//! Main types: [`BlockedArea`], [`ZoneLife`]; main function: `mind_zones`. A set of zones never changes: another one is
-//! sent, put in force when the robot has stored it, and the old one deleted then. A robot is stuck in a BLOCKED zone,
-//! so an area is none for a robot that is in it or was promised a way through it, until it is out. Refuses: robots that
-//! do not say that they know BLOCKED zones, and maps for which somebody else has put zones in force.
+//! Main types: [`BlockedArea`], [`SlowWay`], [`ZoneLife`]; main function: `mind_zones`. A set of zones never changes:
+//! another one is sent, put in force when the robot has stored it, and the old one deleted then. A robot is stuck in a
+//! BLOCKED zone, so an area is none for a robot that is in it or was promised a way through it, until it is out. A
+//! robot obeys a speed limit some messages later, so that the fleet does not count on it. Refuses: zones of types that
+//! the robot does not say that it knows, and maps for which somebody else has put zones in force.
 
 use super::session::{AskedAction, RobotSession};
 use giveway_fleet::{ClosureState, Ledger};
-use giveway_floor::geometry::{Point, Segment, axis_distance_of_segments, inside, outline_area_m2};
+use giveway_floor::geometry::{Point, Segment, Vector, axis_distance_of_segments, inside, outline_area_m2};
 use giveway_floor::id::ClosureId;
 use giveway_floor::time::{Span, Time};
 use giveway_site::MapFrame;
@@ -19,6 +20,9 @@ use std::sync::Arc;
 const ENABLE: &str = "enableZoneSet";
 const DELETE: &str = "deleteZoneSet";
 const BLOCKED: &str = "BLOCKED";
+const SPEED_LIMIT: &str = "SPEED_LIMIT";
+/// A SPEED_LIMIT zone reaches this far beyond the way, so that not every grant needs another one, metres.
+const BEYOND_M: f64 = 3.0;
 /// The most areas of a set.
 const MOST: usize = 64;
 /// What is to be added to a set waits until this long after the last change; what is to be taken out does not.
@@ -53,13 +57,29 @@ pub fn closed_areas(ledger: &Ledger, now: Time) -> Vec<BlockedArea> {
     areas.filter(|area| outline_area_m2(&area.outline).is_ok()).take(MOST).collect()
 }
 
+/// The box around the way ahead of a robot that is to drive slowly, in the floor's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SlowWay {
+    least: Point,
+    most: Point,
+    /// The greatest speed, metres per second.
+    mps: f64,
+}
+
+/// What a robot's zones are, or are to be.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct ZonesOfRobot {
+    areas: BTreeSet<ClosureId>,
+    slow: Option<SlowWay>,
+}
+
 /// What a robot was told of zones.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ZoneLife {
     /// The closed areas of the floor.
     closed: Arc<[BlockedArea]>,
-    /// The areas that are to be the robot's zones, and when that was looked at.
-    wanted: BTreeSet<ClosureId>,
+    /// What the robot's zones are to be, and when that was looked at.
+    wanted: ZonesOfRobot,
     looked: Option<Time>,
     sent: Option<SentSet>,
     /// An old set that the robot was asked to delete.
@@ -69,7 +89,7 @@ pub(super) struct ZoneLife {
 /// A set that was sent.
 #[derive(Clone, Debug)]
 struct SentSet {
-    areas: BTreeSet<ClosureId>,
+    zones: ZonesOfRobot,
     message: ZoneSet,
     /// When it was sent first and last, and how often.
     since: Time,
@@ -93,14 +113,16 @@ impl RobotSession {
             (self.zones.looked, self.zones.wanted) = (Some(now), self.zones_wanted());
         }
         let (has, since) = match &self.zones.sent {
-            Some(sent) => (&sent.areas, Some(sent.since)),
-            None => (&BTreeSet::new(), None),
+            Some(sent) => (&sent.zones, Some(sent.since)),
+            None => (&ZonesOfRobot::default(), None),
         };
         let wanted = &self.zones.wanted;
         let is_settled = since.is_none_or(|since| now - since >= SETTLES);
-        let is_urgent = has.difference(wanted).next().is_some();
+        let frees = has.areas.difference(&wanted.areas).next().is_some();
+        let is_urgent = frees || has.lacks(wanted.slow) && self.is_last_in_force(&frame.name);
         // What an earlier process put in force ends as well.
-        let begins = since.is_none() && (!wanted.is_empty() || self.enabled_set(&frame.name).is_some());
+        let begins = since.is_none()
+            && (*wanted != ZonesOfRobot::default() || self.enabled_set(&frame.name).is_some());
         if begins || has != wanted && (is_urgent || is_settled) {
             self.send_zones(now, &frame);
         } else {
@@ -111,8 +133,7 @@ impl RobotSession {
     /// The frame of the robot's map, if the robot takes zones there from us.
     fn frame_with_zones(&self, now: Time) -> Option<MapFrame> {
         let (_, state) = self.state.as_ref()?;
-        let knows =
-            self.factsheet.as_ref().is_some_and(|sheet| sheet.zones.iter().any(|zone| zone == BLOCKED));
+        let knows = self.knows_zones(BLOCKED) || self.knows_zones(SPEED_LIMIT);
         if self.version < Version::V3_0 || !knows || !self.has_proven() || self.unreachable(now).is_some() {
             return None;
         }
@@ -122,14 +143,49 @@ impl RobotSession {
         is_free.then(|| frame.clone())
     }
 
+    /// Whether the robot says that it knows zones of a type.
+    fn knows_zones(&self, kind: &str) -> bool {
+        self.factsheet.as_ref().is_some_and(|sheet| sheet.zones.iter().any(|zone| zone == kind))
+    }
+
+    /// Whether the last set that was sent is in force.
+    fn is_last_in_force(&self, map: &str) -> bool {
+        let sent = self.zones.sent.as_ref().map(|sent| &sent.message.id);
+        self.enabled_set(map).is_some_and(|set| Some(&set.id) == sent)
+    }
+
     /// The set that the robot has in force on a map.
     fn enabled_set(&self, map: &str) -> Option<&StoredZoneSet> {
         let (_, state) = self.state.as_ref()?;
         state.zone_sets.iter().find(|set| set.enabled && set.map == map)
     }
 
+    /// What the robot's zones are to be now.
+    fn zones_wanted(&self) -> ZonesOfRobot {
+        let areas = if self.knows_zones(BLOCKED) { self.clear_areas() } else { BTreeSet::new() };
+        ZonesOfRobot { areas, slow: self.slow_way() }
+    }
+
+    /// The speed to which the fleet limits a robot that is not to stand, metres per second.
+    pub(super) fn slow_mps(&self) -> Option<f64> {
+        self.limit_mps.filter(|mps| *mps > 0.0)
+    }
+
+    /// Where the robot is to drive slowly: on all of its way. The last box stays as long as the way is within.
+    fn slow_way(&self) -> Option<SlowWay> {
+        let mps = self.slow_mps().filter(|_| self.knows_zones(SPEED_LIMIT))?;
+        let ways = self.promised_ways();
+        let least = ways.iter().flatten().copied().reduce(|a, b| a.inf(&b))?;
+        let most = ways.iter().flatten().copied().reduce(|a, b| a.sup(&b))?;
+        let last = self.zones.sent.as_ref().and_then(|sent| sent.zones.slow);
+        let last = last.filter(|last| last.has(least) && last.has(most));
+        let margin = Vector::repeat(self.reach_m() + BEYOND_M);
+        let (least, most) = last.map_or((least - margin, most + margin), |last| (last.least, last.most));
+        Some(SlowWay { least, most, mps })
+    }
+
     /// The closed areas in which the robot neither is nor was promised a way.
-    fn zones_wanted(&self) -> BTreeSet<ClosureId> {
+    fn clear_areas(&self) -> BTreeSet<ClosureId> {
         let reach_m = self.reach_m();
         let ways = self.promised_ways();
         let touches = |area: &&BlockedArea, way: &[Point]| {
@@ -172,12 +228,18 @@ impl RobotSession {
 
     /// Sends a new set in place of the last one.
     fn send_zones(&mut self, now: Time, frame: &MapFrame) {
-        let areas = self.zones.wanted.clone();
-        let chosen = self.zones.closed.iter().filter(|area| areas.contains(&area.closure));
-        let zones = chosen.map(|area| zone(area, frame)).collect();
+        let wanted = self.zones.wanted.clone();
+        let chosen = self.zones.closed.iter().filter(|area| wanted.areas.contains(&area.closure));
+        let blocked = chosen
+            .map(|area| zone(format!("closure-{}", area.closure.0), ZoneKind::Blocked, &area.outline, frame));
+        let slow = wanted
+            .slow
+            .map(|slow| zone("slow".to_owned(), ZoneKind::SpeedLimit(slow.mps), &slow.corners(), frame));
+        let zones = blocked.chain(slow).collect();
         let message = ZoneSet { id: format!("{}{ENDING}", self.new_id()), map: frame.name.clone(), zones };
         self.tell(TopicKind::ZoneSet, Message::ZoneSet(message.clone()));
-        self.zones.sent = Some(SentSet { areas, message, since: now, last: now, times: 1, enable: None });
+        self.zones.sent =
+            Some(SentSet { zones: wanted, message, since: now, last: now, times: 1, enable: None });
     }
 
     /// Sends the last set again if it was lost, puts it in force, and deletes older ones.
@@ -243,21 +305,43 @@ fn about(set: &str) -> Vec<Parameter> {
     vec![Parameter { key: "zoneSetId".to_owned(), value: set.into() }]
 }
 
-/// An area as a zone of the robot's map, anticlockwise.
-fn zone(area: &BlockedArea, frame: &MapFrame) -> Zone {
-    let n = area.outline.len();
-    let doubled: f64 = (0..n).map(|i| area.outline[i].coords.perp(&area.outline[(i + 1) % n].coords)).sum();
-    let mut corners: Vec<(f64, f64)> = area.outline.iter().map(|corner| frame.to_robot(*corner)).collect();
+impl ZonesOfRobot {
+    /// Whether the robot may be too fast on the way on which it is to drive slowly.
+    fn lacks(&self, slow: Option<SlowWay>) -> bool {
+        slow.is_some_and(|wanted| {
+            let is_slow =
+                |has: &SlowWay| has.mps <= wanted.mps && has.has(wanted.least) && has.has(wanted.most);
+            !self.slow.as_ref().is_some_and(is_slow)
+        })
+    }
+}
+
+impl SlowWay {
+    /// Whether the box has a place in it.
+    fn has(&self, at: Point) -> bool {
+        (self.least.x..=self.most.x).contains(&at.x) && (self.least.y..=self.most.y).contains(&at.y)
+    }
+
+    fn corners(&self) -> [Point; 4] {
+        let (least, most) = (self.least, self.most);
+        [least, Point::new(most.x, least.y), most, Point::new(least.x, most.y)]
+    }
+}
+
+/// An area of the floor as a zone of the robot's map, anticlockwise.
+fn zone(id: String, kind: ZoneKind, outline: &[Point], frame: &MapFrame) -> Zone {
+    let n = outline.len();
+    let doubled: f64 = (0..n).map(|i| outline[i].coords.perp(&outline[(i + 1) % n].coords)).sum();
+    let mut corners: Vec<(f64, f64)> = outline.iter().map(|corner| frame.to_robot(*corner)).collect();
     if doubled < 0.0 {
         corners.reverse();
     }
-    Zone { id: format!("closure-{}", area.closure.0), kind: ZoneKind::Blocked, corners }
+    Zone { id, kind, corners }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use giveway_floor::geometry::Vector;
     use std::f64::consts::FRAC_PI_2;
 
     #[test]
@@ -266,7 +350,7 @@ mod tests {
         let corners = [(10.0, 0.0), (12.0, 0.0), (12.0, 1.0)].map(|(x, y)| Point::new(x, y));
         let back = corners.iter().rev().copied().collect();
         for outline in [corners.to_vec(), back] {
-            let zone = zone(&BlockedArea { closure: ClosureId(3), outline }, &frame);
+            let zone = zone("closure-3".to_owned(), ZoneKind::Blocked, &outline, &frame);
             let at: Vec<(i64, i64)> =
                 zone.corners.iter().map(|(x, y)| (x.round() as i64, y.round() as i64)).collect();
             assert_eq!((zone.id.as_str(), at), ("closure-3", vec![(0, 0), (0, -2), (1, -2)]));

@@ -14,6 +14,8 @@ pub struct Factsheet {
     pub accel_mps2: Option<f64>,
     /// The greatest deceleration, metres per second squared.
     pub brake_mps2: Option<f64>,
+    /// The greatest speed of turning in place, radians per second, 3.0.
+    pub turn_radps: Option<f64>,
     /// How long it is, metres.
     pub length_m: Option<f64>,
     /// How wide it is, metres.

@@ -25,12 +25,14 @@ pub struct Zone {
 }
 
 /// The rule of a zone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ZoneKind {
     /// No robot may enter. A robot that is within stops and is stuck.
     Blocked,
     /// A robot asks before it enters. If it loses the release within, it stops.
     Release,
+    /// No robot drives faster than this within, metres per second.
+    SpeedLimit(f64),
 }
 
 /// A zone set that a robot has stored.

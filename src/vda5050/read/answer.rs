@@ -7,8 +7,9 @@
 use super::object::ObjectReader;
 use super::oddity::Unreadable;
 use crate::model::answer::Response;
-use crate::model::zone::{Zone, ZoneSet};
+use crate::model::zone::{Zone, ZoneKind, ZoneSet};
 use crate::stamp;
+use crate::vocabulary::words::ZoneWord;
 use crate::vocabulary::{names, words};
 
 pub(super) fn responses(top: &ObjectReader<'_>) -> Result<Vec<Response>, Unreadable> {
@@ -38,9 +39,14 @@ fn zone(object: &ObjectReader<'_>) -> Result<Zone, Unreadable> {
     let corner =
         |object: &ObjectReader<'_>| Ok((object.need_number(&names::X)?, object.need_number(&names::Y)?));
     let corners = object.all(&names::VERTICES, corner)?.filter(|corners| corners.len() >= 3);
+    let kind = match object.word_or_careful(&names::ZONE_TYPE, &words::ZONE_WORD)? {
+        ZoneWord::Blocked => ZoneKind::Blocked,
+        ZoneWord::Release => ZoneKind::Release,
+        ZoneWord::SpeedLimit => ZoneKind::SpeedLimit(object.need_number(&names::ZONE_SPEED)?),
+    };
     Ok(Zone {
         id: object.need_text(&names::ZONE_ID)?,
-        kind: object.word_or_careful(&names::ZONE_TYPE, &words::ZONE_KIND)?,
+        kind,
         corners: corners.ok_or_else(|| object.missing(&names::VERTICES))?,
     })
 }

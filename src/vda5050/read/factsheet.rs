@@ -36,6 +36,7 @@ pub(super) fn factsheet(top: &ObjectReader<'_>) -> Factsheet {
         speed_mps: measure(&names::SPEED),
         accel_mps2: measure(&names::ACCELERATION),
         brake_mps2: brake(body.as_ref()),
+        turn_radps: measure(&names::TURNING),
         length_m: measure(&names::LENGTH),
         width_m: measure(&names::WIDTH),
         payload_kg: kind.and_then(|kind| kind.magnitude(&names::PAYLOAD)),

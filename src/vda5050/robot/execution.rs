@@ -337,10 +337,11 @@ impl VirtualRobot {
         for (i, (held, way)) in self.order.nodes.iter().zip(&self.order.edges).take(PATH_MOST).enumerate() {
             let place = self.place_of(&held.node).filter(|_| held.node.released && way.edge.released);
             let Some((x, y)) = place.filter(|to| !self.is_barred(from, *to)) else { break };
+            let zones_mps = self.speed_through(from, (x, y));
             from = (x, y);
             let position = held.node.position.as_ref();
             let heading = position.and_then(|p| Some((p.theta?, p.deviation_rad.unwrap_or(0.0))));
-            let speed_mps = way.edge.max_speed_mps.unwrap_or(f64::INFINITY);
+            let speed_mps = way.edge.max_speed_mps.unwrap_or(f64::INFINITY).min(zones_mps);
             path.push(PathPoint { key: held.key, x, y, heading, speed_mps });
             if self.must_stand_at(i) {
                 break;

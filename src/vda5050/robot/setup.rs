@@ -133,8 +133,9 @@ impl RobotSetup {
                 speed_mps: Some(body.speed_mps),
                 accel_mps2: Some(body.accel_mps2),
                 brake_mps2: Some(body.brake_mps2),
+                turn_radps: (version >= Version::V3_0).then_some(body.turn_radps),
                 zones: if version >= Version::V3_0 {
-                    vec!["BLOCKED".into(), "RELEASE".into()]
+                    vec!["BLOCKED".into(), "RELEASE".into(), "SPEED_LIMIT".into()]
                 } else {
                     Vec::new()
                 },

@@ -1,7 +1,8 @@
 //! The zone sets that a virtual robot of 3.0 has stored, and where its zones let it drive.
 //!
 //! Main type: [`ZoneStore`]; main functions: `take_zone_set`, `enable_zone_set`, `delete_zone_set`. Source: VDA 5050
-//! 3.0, sections 6.4.1 and 6.4.2. Refuses: zones of other types than BLOCKED and RELEASE, a set with the id of another
+//! 3.0, sections 6.4.1 and 6.4.2. Refuses: zones of other types than BLOCKED,
+//! RELEASE and SPEED_LIMIT, a set with the id of another
 //! one, and more than [`SETS_MOST`] sets.
 
 use super::VirtualRobot;
@@ -104,7 +105,17 @@ impl VirtualRobot {
         self.zones_at(from, to).any(|(set, zone)| match zone.kind {
             ZoneKind::Blocked => true,
             ZoneKind::Release => !self.has_release(&access(set, zone)),
+            ZoneKind::SpeedLimit(_) => false,
         })
+    }
+
+    /// The speed that zones allow from one place to another, metres per second; infinite if none limits it.
+    pub(super) fn speed_through(&self, from: (f64, f64), to: (f64, f64)) -> f64 {
+        let limits = self.zones_at(from, to).filter_map(|(_, zone)| match zone.kind {
+            ZoneKind::SpeedLimit(mps) => Some(mps),
+            ZoneKind::Blocked | ZoneKind::Release => None,
+        });
+        limits.fold(f64::INFINITY, f64::min)
     }
 
     /// The RELEASE zones through which the released way leads, or in which the robot is.

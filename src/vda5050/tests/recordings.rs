@@ -112,6 +112,7 @@ fn a_factsheet_with_nulls_says_what_is_not_null() {
         speed_mps: Some(1.5),
         accel_mps2: Some(0.5),
         brake_mps2: Some(0.5),
+        turn_radps: None,
         length_m: Some(0.8),
         width_m: Some(0.6),
         payload_kg: Some(100.0),

@@ -112,6 +112,7 @@ fn factsheet_as_said(sheet: &mut Factsheet, version: Version) {
     // Every version must have these.
     sheet.actions.get_or_insert_default();
     sheet.payload_kg.get_or_insert_default();
+    sheet.turn_radps = sheet.turn_radps.filter(|_| version == Version::V3_0);
     sheet.critical = sheet.critical.map(in_percent).filter(|_| version == Version::V3_0);
     let is_zone =
         |zone: &String| version == Version::V3_0 && ["BLOCKED", "SPEED_LIMIT"].contains(&zone.as_str());

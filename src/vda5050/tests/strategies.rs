@@ -270,7 +270,11 @@ fn response() -> impl Strategy<Value = Response> {
 }
 
 fn zone_set(numbers: Numbers) -> impl Strategy<Value = ZoneSet> {
-    let kind = prop::sample::select(vec![ZoneKind::Blocked, ZoneKind::Release]);
+    let kind = prop_oneof![
+        Just(ZoneKind::Blocked),
+        Just(ZoneKind::Release),
+        numbers.magnitude().prop_map(ZoneKind::SpeedLimit)
+    ];
     let least = if numbers == Numbers::Sane { 3 } else { 0 };
     let corners = vec((numbers.length(), numbers.length()), least..6);
     let zone = (text(), kind, corners).prop_map(|(id, kind, corners)| Zone { id, kind, corners });
@@ -295,7 +299,7 @@ fn factsheet(numbers: Numbers) -> impl Strategy<Value = Factsheet> {
     let measure = move || option::of(numbers.magnitude().prop_filter("not zero", |number| *number != 0.0));
     let zone = prop_oneof![Just("SPEED_LIMIT".to_owned()), Just("BLOCKED".to_owned()), text()];
     let most = || option::of(1..=u32::MAX as usize);
-    let drive = (measure(), measure(), measure(), measure(), measure());
+    let drive = (measure(), measure(), measure(), measure(), measure(), measure());
     let limits = (most(), most(), measure(), option::of(numbers.magnitude()));
     let rest = (
         option::of(vec(offered, 0..3)),
@@ -307,6 +311,7 @@ fn factsheet(numbers: Numbers) -> impl Strategy<Value = Factsheet> {
         speed_mps: drive.0,
         accel_mps2: drive.1,
         brake_mps2: drive.2,
+        turn_radps: drive.5,
         length_m: drive.3,
         width_m: drive.4,
         most_nodes: limits.0,

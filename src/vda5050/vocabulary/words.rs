@@ -9,7 +9,6 @@ use crate::model::answer::Grant;
 use crate::model::error::ErrorLevel;
 use crate::model::factsheet::ActionScope;
 use crate::model::state::{ConnectionState, EStop, OperatingMode, RequestStatus};
-use crate::model::zone::ZoneKind;
 
 const fn same(word: &'static str) -> [Option<&'static str>; 3] {
     [Some(word); 3]
@@ -128,10 +127,22 @@ pub(crate) const GRANT: WireWords<Grant> = WireWords {
     careful: Some(Grant::Rejected),
 };
 
-/// The rule of a zone. Nobody enters one with an unknown rule.
-pub(crate) const ZONE_KIND: WireWords<ZoneKind> = WireWords {
-    rows: &[(ZoneKind::Blocked, same("BLOCKED")), (ZoneKind::Release, same("RELEASE"))],
-    careful: Some(ZoneKind::Blocked),
+/// The type of a zone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ZoneWord {
+    Blocked,
+    Release,
+    SpeedLimit,
+}
+
+/// The type of a zone. Nobody enters one with an unknown rule.
+pub(crate) const ZONE_WORD: WireWords<ZoneWord> = WireWords {
+    rows: &[
+        (ZoneWord::Blocked, same("BLOCKED")),
+        (ZoneWord::Release, same("RELEASE")),
+        (ZoneWord::SpeedLimit, same("SPEED_LIMIT")),
+    ],
+    careful: Some(ZoneWord::Blocked),
 };
 
 /// Whether a stored zone set is in force. An unknown word says that it is not.

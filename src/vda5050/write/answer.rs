@@ -7,6 +7,7 @@ use super::object::ObjectWriter;
 use crate::model::answer::{Grant, Response};
 use crate::model::zone::{Zone, ZoneKind, ZoneSet};
 use crate::stamp;
+use crate::vocabulary::words::ZoneWord;
 use crate::vocabulary::{names, words};
 
 /// What a robot does in a RELEASE zone whose release it loses: the standard's default.
@@ -32,10 +33,18 @@ pub(super) fn zone_set(top: &mut ObjectWriter, set: &ZoneSet) {
 
 fn zone(object: &mut ObjectWriter, zone: &Zone) {
     object.put(&names::ZONE_ID, zone.id.as_str());
-    object.word(&names::ZONE_TYPE, &words::ZONE_KIND, zone.kind);
-    if zone.kind == ZoneKind::Release {
-        object.put(&names::RELEASE_LOSS, STOPS);
-    }
+    let word = match zone.kind {
+        ZoneKind::Blocked => ZoneWord::Blocked,
+        ZoneKind::Release => {
+            object.put(&names::RELEASE_LOSS, STOPS);
+            ZoneWord::Release
+        }
+        ZoneKind::SpeedLimit(mps) => {
+            object.magnitude_or_zero(&names::ZONE_SPEED, Some(mps));
+            ZoneWord::SpeedLimit
+        }
+    };
+    object.word(&names::ZONE_TYPE, &words::ZONE_WORD, word);
     object.list(&names::VERTICES, finite_corners(zone), |object, (x, y): &(f64, f64)| {
         object.number(&names::X, *x);
         object.number(&names::Y, *y);

@@ -21,6 +21,7 @@ pub(super) fn factsheet(top: &mut ObjectWriter, sheet: &Factsheet) {
         object.magnitude_or_zero(&names::SPEED, sheet.speed_mps);
         object.magnitude_or_zero(&names::ACCELERATION, sheet.accel_mps2);
         object.magnitude_or_zero(&names::DECELERATION, sheet.brake_mps2);
+        object.magnitude(&names::TURNING, sheet.turn_radps);
         object.put(&names::LEAST_HEIGHT, 0.0);
         object.put(&names::HEIGHT, 0.0);
         object.magnitude_or_zero(&names::WIDTH, sheet.width_m);

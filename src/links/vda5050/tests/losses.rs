@@ -6,6 +6,9 @@ use giveway_vda5050::robot::ReadingHabit;
 use giveway_vda5050::{ActionStatus, ErrorLevel, ErrorReference, RobotError};
 use std::collections::BTreeSet;
 
+/// When the first process begins, milliseconds since 1970.
+pub(super) const FIRST_BOOT_MS: u64 = 1_800_000_000_000;
+
 impl LinkFloor {
     /// Something happens to the line to all robots.
     fn tell_all(&mut self, act: impl Fn(&mut RobotSession, Time) -> SessionOutput) {
@@ -21,7 +24,9 @@ impl LinkFloor {
     pub(super) fn restart(&mut self) {
         let (ledger, settings) = (self.fleet.ledger().clone(), self.fleet.settings().clone());
         self.fleet = Fleet::resume(ledger, settings, []);
-        self.boot += 1_000;
+        // A process begins after the one before it.
+        let now_ms = FIRST_BOOT_MS + self.now.0.unsigned_abs() / 1_000;
+        self.boot = now_ms.max(self.boot + 1_000);
         let map = self.map();
         for pair in &mut self.pairs {
             pair.session =
