@@ -25,6 +25,7 @@ pub struct KindFigures {
     speed_loaded_mps: Option<f64>,
     accel_unloaded_mps2: Option<f64>,
     accel_loaded_mps2: Option<f64>,
+    turn_radps: Option<f64>,
     lift_s: Option<f64>,
     battery: Battery,
     footprint: Option<Outline>,
@@ -35,6 +36,9 @@ pub struct KindFigures {
     free_navigation: bool,
     can: Option<CapabilityFigures>,
 }
+
+/// The least and the greatest speed of turning in place, radians per second.
+const TURNING: (f64, f64) = (0.1, 10.0);
 
 /// [`Capabilities`] in their file form.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -261,6 +265,8 @@ impl KindFigures {
             KindFigure::Acceleration => {
                 self.accel_unloaded_mps2.is_none() && self.accel_loaded_mps2.is_none()
             }
+            // A robot that does not turn has no such figure.
+            KindFigure::Turning => self.turn_radps.is_none() && self.drive == DriveWord::Differential,
             KindFigure::Outline => self.footprint.is_none() && self.footprint_loaded.is_none(),
             KindFigure::Payload => self.payload_kg.is_none(),
         }
@@ -277,6 +283,9 @@ impl KindFigures {
             let said = [sheet.accel_mps2, sheet.brake_mps2].map(|said| within(said, 0.05, 5.0));
             let weaker = said.into_iter().flatten().reduce(f64::min);
             (self.accel_unloaded_mps2, self.accel_loaded_mps2) = (weaker, weaker);
+        }
+        if self.leaves_out(KindFigure::Turning) {
+            self.turn_radps = within(sheet.turn_radps, TURNING.0, TURNING.1);
         }
         let size = [sheet.length_m, sheet.width_m].map(|said| within(said, 0.05, 10.0));
         if let ([Some(length), Some(width)], true) = (size, self.leaves_out(KindFigure::Outline)) {
@@ -327,13 +336,21 @@ impl KindFigures {
         check(&field("accel_unloaded_mps2"), unloaded, 0.05..=5.0, "from 0.05 to 5")?;
         check(&field("accel_loaded_mps2"), loaded, 0.05..=5.0, "from 0.05 to 5")?;
         check(&field("lift_s"), lift, 0.0..=60.0, "from 0 to 60")?;
+        let turn = self.turn_radps.unwrap_or(usual.turn_radps);
+        check(&field("turn_radps"), turn, TURNING.0..=TURNING.1, "from 0.1 to 10")?;
+        let turns = self.drive == DriveWord::Differential;
+        if !turns && self.turn_radps.is_some() {
+            let message =
+                "leave it out: an omnidirectional robot does not turn to where it drives".to_owned();
+            return Err(SiteError::Wrong { key: "turn_radps", message });
+        }
         Ok(Kinematics {
             speed_mps: speed,
             speed_loaded_mps: speed_loaded,
             accel_unloaded_mps2: unloaded,
             accel_loaded_mps2: loaded,
             lift: Span::from_secs_f64(lift),
-            turn_radps: if self.drive == DriveWord::Differential { usual.turn_radps } else { f64::INFINITY },
+            turn_radps: if turns { turn } else { f64::INFINITY },
             ..usual
         })
     }

@@ -23,6 +23,8 @@ pub enum KindFigure {
     Speed,
     /// The acceleration, and the deceleration of the brakes.
     Acceleration,
+    /// The speed of turning in place.
+    Turning,
     /// The outline.
     Outline,
     /// The heaviest load.
@@ -42,14 +44,20 @@ pub enum FigureOrigin {
 
 impl KindFigure {
     /// All of them.
-    pub const ALL: [KindFigure; 4] =
-        [KindFigure::Speed, KindFigure::Acceleration, KindFigure::Outline, KindFigure::Payload];
+    pub const ALL: [KindFigure; 5] = [
+        KindFigure::Speed,
+        KindFigure::Acceleration,
+        KindFigure::Turning,
+        KindFigure::Outline,
+        KindFigure::Payload,
+    ];
 
     /// Its word on the wire.
     pub fn word(self) -> &'static str {
         match self {
             KindFigure::Speed => "speed",
             KindFigure::Acceleration => "acceleration",
+            KindFigure::Turning => "turning",
             KindFigure::Outline => "outline",
             KindFigure::Payload => "payload",
         }
@@ -61,6 +69,7 @@ impl KindFigure {
         match self {
             KindFigure::Speed => moves.speed_mps == other.speed_mps,
             KindFigure::Acceleration => moves.accel_unloaded_mps2 == other.accel_unloaded_mps2,
+            KindFigure::Turning => moves.turn_radps == other.turn_radps,
             KindFigure::Outline => a.footprints == b.footprints,
             KindFigure::Payload => a.payload_kg == b.payload_kg,
         }
@@ -116,17 +125,19 @@ mod tests {
             speed_mps: Some(2.0),
             accel_mps2: Some(0.8),
             brake_mps2: Some(0.6),
+            turn_radps: Some(1.1),
             length_m: Some(0.9),
             width_m: Some(0.5),
             ..Factsheet::default()
         };
         let kind = tug.filled(Some(&sheet)).expect("a kind");
         assert_eq!((kind.kinematics.speed_mps, kind.kinematics.accel_loaded_mps2), (1.2, 0.6));
+        assert_eq!(kind.kinematics.turn_radps, 1.1);
         let origins = KindFigure::ALL.map(|figure| tug.origin(figure, &kind).word());
-        assert_eq!(origins, ["file", "factsheet", "factsheet", "default"]);
+        assert_eq!(origins, ["file", "factsheet", "factsheet", "factsheet", "default"]);
         let usual = tug.filled(None).expect("a kind");
         let origins = KindFigure::ALL.map(|figure| tug.origin(figure, &usual).word());
-        assert_eq!(origins, ["file", "default", "default", "default"]);
+        assert_eq!(origins, ["file", "default", "default", "default", "default"]);
     }
 
     #[test]
@@ -135,6 +146,7 @@ mod tests {
             speed_mps: Some(x),
             accel_mps2: Some(x),
             brake_mps2: Some(x),
+            turn_radps: Some(x),
             length_m: Some(x),
             width_m: Some(x),
             payload_kg: Some(x),

@@ -498,8 +498,15 @@ mod tests {
         };
         let whole =
             r#""speed_mps": 1, "accel_unloaded_mps2": 1, "payload_kg": 500, "footprint": {"square_m": 0.8}"#;
+        let turns = format!(r#"{whole}, "turn_radps": 1.5"#);
+        let omni = format!(r#"{whole}, "drive": "omnidirectional""#);
         assert_eq!(kinds(r#""speed_mps": 1"#).expect("a site"), ("robot".into(), "tug".into()));
-        assert_eq!(kinds(whole).expect("a site"), ("tug".into(), String::new()));
+        assert_eq!(kinds(whole).expect("a site"), ("robot".into(), "tug".into()));
+        for whole in [&turns, &omni] {
+            assert_eq!(kinds(whole).expect("a site"), ("tug".into(), String::new()));
+        }
+        let wrong = kinds(&format!(r#"{omni}, "turn_radps": 1.5"#)).expect_err("it does not turn");
+        assert!(wrong.contains("turn_radps"), "{wrong}");
         let wrong = kinds(r#""speed_mps": -1"#).expect_err("no robot drives so");
         assert!(wrong.contains("kinds[0].fleet.speed_mps"), "{wrong}");
     }

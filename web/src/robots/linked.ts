@@ -30,6 +30,7 @@ const LEVELS: Readonly<Record<string, string>> = wordsBy({
 export const FIGURE_WORDS = wordsBy<KindFigure['figure']>({
   speed: 'linked.figure.speed',
   acceleration: 'linked.figure.acceleration',
+  turning: 'linked.figure.turning',
   outline: 'linked.figure.outline',
   payload: 'linked.figure.payload',
 });

@@ -34,7 +34,7 @@ export interface LinkedRobot {
   contradictions: string[];
 }
 export interface KindFigure {
-  figure: 'speed' | 'acceleration' | 'outline' | 'payload';
+  figure: 'speed' | 'acceleration' | 'turning' | 'outline' | 'payload';
   /** With its unit; `-` if any value will do. */
   value: string;
   origin: 'file' | 'factsheet' | 'default';

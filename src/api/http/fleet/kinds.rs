@@ -51,6 +51,8 @@ pub struct KindDto {
     pub accel_unloaded_mps2: f64,
     /// Acceleration and braking with a rack, metres per second squared.
     pub accel_loaded_mps2: f64,
+    /// Speed of turning in place, radians per second; null if robots do not turn.
+    pub turn_radps: Option<f64>,
     /// How long lifting a rack or setting it down takes, seconds.
     pub lift_s: f64,
     /// Charge below which a robot takes no job, 0 to 1.
@@ -77,6 +79,9 @@ pub struct NewKind {
     /// Acceleration and braking with a rack, metres per second squared, 0.05 to 5.
     #[serde(skip_serializing_if = "Option::is_none")]
     accel_loaded_mps2: Option<f64>,
+    /// Speed of turning in place, radians per second, 0.1 to 10; not for omnidirectional robots.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    turn_radps: Option<f64>,
     /// How long lifting a rack or setting it down takes, seconds, 0 to 60.
     #[serde(skip_serializing_if = "Option::is_none")]
     lift_s: Option<f64>,
@@ -289,6 +294,7 @@ impl KindDto {
             speed_loaded_mps: figures.speed_loaded_mps,
             accel_unloaded_mps2: figures.accel_unloaded_mps2,
             accel_loaded_mps2: figures.accel_loaded_mps2,
+            turn_radps: Some(figures.turn_radps).filter(|turn| turn.is_finite()),
             lift_s: figures.lift.as_secs_f64(),
             critical: k.charging.critical,
             driving_h: k.charging.driving_h,

@@ -50,6 +50,7 @@ fn fleet_of(setup: &RobotSetup) -> Value {
         "speed_mps": setup.body.speed_mps,
         "accel_unloaded_mps2": accel_mps2,
         "accel_loaded_mps2": accel_mps2,
+        "turn_radps": setup.body.turn_radps,
         "lift_s": (handling_prepare_us + lift_us) as f64 * 1e-6,
     })
 }

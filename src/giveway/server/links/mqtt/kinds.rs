@@ -108,6 +108,8 @@ fn value_text(kind: &RobotKind, figure: KindFigure) -> String {
     match figure {
         KindFigure::Speed => format!("{} m/s", motion.speed_mps),
         KindFigure::Acceleration => format!("{} m/s²", motion.accel_unloaded_mps2),
+        KindFigure::Turning if motion.turn_radps.is_finite() => format!("{:.2} rad/s", motion.turn_radps),
+        KindFigure::Turning => "-".to_owned(),
         KindFigure::Outline => match kind.footprints[0].as_ref().map(extent_m) {
             Some([length, width]) => format!("{length} × {width} m"),
             None => "-".to_owned(),
@@ -153,6 +155,12 @@ pub fn contradictions(kind: &RobotKind, sheet: &Factsheet) -> Vec<String> {
             "m/s²",
         ),
         most(sheet.brake_mps2, motion.accel_unloaded_mps2.max(motion.accel_loaded_mps2), "braking", "m/s²"),
+        most(
+            sheet.turn_radps.filter(|_| motion.turn_radps.is_finite()),
+            motion.turn_radps,
+            "turning",
+            "rad/s",
+        ),
         larger(sheet.length_m, size.map(|size| size[0]), "length"),
         larger(sheet.width_m, size.map(|size| size[1]), "width"),
     ]
