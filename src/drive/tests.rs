@@ -4,6 +4,7 @@ use super::*;
 use giveway_fleet::{Answer, Asker, FloorAction, JobAction, LinkState, RobotAction, Settings, Telemetry};
 use giveway_floor::geometry::Pose;
 use giveway_floor::id::{JobId, NodeId};
+use giveway_floor::text::Sentence;
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::{NodeKind, lab};
 use std::sync::Arc;
@@ -247,7 +248,8 @@ fn while_no_step_is_made_stops_are_kept_up_to_a_limit_and_other_requests_are_ref
 /// Whether a driver that first cannot make a step, and then can, knows what a link reported meanwhile.
 fn knows_its_link(hinder: impl FnOnce(&mut TestLoop), help: impl FnOnce(&mut TestLoop)) -> bool {
     let mut test = TestLoop::new();
-    let busy = LinkState { refuses: Some("somebody works on it".into()), ..LinkState::default() };
+    let busy =
+        LinkState { refuses: Some(Sentence::without_code("somebody works on it")), ..LinkState::default() };
     hinder(&mut test);
     test.turn(vec![], vec![Input::Link(RobotId(1), busy.clone())]);
     help(&mut test);

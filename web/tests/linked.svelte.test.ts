@@ -36,7 +36,11 @@ const state: SaidState = {
   errors: [{ level: 'FATAL', kind: 'orderError', words: 'node G9-9 is unknown' }],
   wants_base: false,
 };
-const noticed = (words: string, is_false_claim = false): NoticedOfRobot => ({ at: AT, words, is_false_claim });
+const noticed = (words: string, is_false_claim = false): NoticedOfRobot => ({
+  at: AT,
+  said: { text: words },
+  is_false_claim,
+});
 const linked = (id: string, more: Partial<LinkedRobot> = {}): LinkedRobot => ({
   id,
   manufacturer: 'acme',
@@ -125,7 +129,7 @@ describe('the card of a robot of another vendor', () => {
   test('says why the robot is not ready, before all else, and every figure of its last state', async () => {
     const { target, text } = card(
       linked('tug-1', {
-        not_ready: 'its operating mode is Manual, not automatic',
+        not_ready: { text: 'its operating mode is Manual, not automatic' },
         false_claims: 2,
         longest_base_m: 1.5,
         noticed: [noticed('refuses an order: full'), noticed('says that pick is finished, and carries nothing', true)],
@@ -158,7 +162,7 @@ describe('the card of a robot of another vendor', () => {
     expect(text()).toContain('speed 1.0 m/s in the factsheet');
   });
   test('of a robot that has said nothing, names what is not known', async () => {
-    const { text } = card(linked('tug-1', { said: null, not_ready: 'it was never heard of', joined: false }));
+    const { text } = card(linked('tug-1', { said: null, not_ready: { text: 'it was never heard of' }, joined: false }));
     await expect.poll(text).toContain('It has said nothing yet.');
     expect(text()).not.toContain('Operating mode');
   });
@@ -328,7 +332,7 @@ describe('robots that are not on the floor', () => {
     expect(target.textContent?.trim()).toBe('');
   });
   test('have their reason, and their card is there before they join', async () => {
-    const waits = linked('tug-2', { joined: false, not_ready: 'it does not know where it is' });
+    const waits = linked('tug-2', { joined: false, not_ready: { text: 'it does not know where it is' } });
     const { target, text } = lists({
       [LISTS]: () => ({ items: [], next: null, waiting: [waits], unlisted: [] }),
       'GET /v1/robots/tug-2/link': () => waits,
@@ -339,7 +343,7 @@ describe('robots that are not on the floor', () => {
     await expect.poll(text).toContain('Tell it where it stands');
   });
   test('are taken off the list, and put back by undo', async () => {
-    const waits = linked('tug-2', { joined: false, not_ready: 'it is switched off' });
+    const waits = linked('tug-2', { joined: false, not_ready: { text: 'it is switched off' } });
     const { target, sent, notices } = lists({
       [LISTS]: () => ({ waiting: [waits], unlisted: [] }),
       'DELETE /v1/robots/tug-2': () => null,

@@ -5,7 +5,9 @@
 use crate::port::linked::{
     ActionFate, FigureRow, LinkedRobot, NoticedOfRobot, SaidError, SaidMessage, SaidState, UnlistedRobot,
 };
+use crate::wire::sentence::SentenceSchema;
 use crate::wire::text::time_text;
+use giveway_floor::text::Sentence;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -29,9 +31,9 @@ pub struct LinkedRobotDto {
     pub version: String,
     /// Whether the robot has joined the fleet: it stands on the floor, and others drive round it.
     pub joined: bool,
-    /// Why the robot is not commanded, in words; null if it is.
-    #[schema(example = "it was not yet seen to pause and go on")]
-    pub not_ready: Option<String>,
+    /// Why the robot is not commanded; null if it is.
+    #[schema(value_type = Option<SentenceSchema>)]
+    pub not_ready: Option<Sentence>,
     /// Whether the robot waits for PUT /v1/robots/{id}/consent: it does not pause when told to.
     pub needs_consent: bool,
     /// The action that failed, in words. Null if none did.
@@ -118,9 +120,9 @@ pub struct SaidErrorDto {
 pub struct NoticedDto {
     /// When, RFC 3339.
     pub at: String,
-    /// What, in words.
-    #[schema(example = "says that pick is finished, and carries nothing")]
-    pub words: String,
+    /// What; the robot is the subject.
+    #[schema(value_type = SentenceSchema)]
+    pub said: Sentence,
     /// Whether the robot claimed what is not so.
     pub is_false_claim: bool,
 }
@@ -229,7 +231,7 @@ impl From<SaidError> for SaidErrorDto {
 
 impl From<NoticedOfRobot> for NoticedDto {
     fn from(of: NoticedOfRobot) -> NoticedDto {
-        NoticedDto { at: time_text(of.at), words: of.words, is_false_claim: of.is_false_claim }
+        NoticedDto { at: time_text(of.at), said: of.said, is_false_claim: of.is_false_claim }
     }
 }
 

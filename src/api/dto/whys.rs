@@ -78,7 +78,7 @@ impl Names<'_> {
     pub fn why_of(&self, robot: &RobotView, why: Why) -> Sentence {
         match (why, robot.rack.and_then(|r| self.map.racks.get(r))) {
             (Why::Refused, _) => {
-                let words = robot.link_state.as_ref().and_then(|link| link.refuses.as_deref());
+                let words = robot.link_state.as_ref().and_then(|link| link.refuses.clone());
                 words.map_or_else(reasons::refused, reasons::refused_because)
             }
             (Why::Silent, _) if robot.link_state.as_ref().is_some_and(|l| l.reach == LinkReach::LineDown) => {

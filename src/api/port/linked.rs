@@ -4,6 +4,7 @@
 //! turns. Refuses: to know a protocol's messages beyond their text.
 
 use giveway_floor::geometry::Pose;
+use giveway_floor::text::Sentence;
 use giveway_floor::time::{Span, Time};
 use serde_json::Value;
 use tokio::sync::oneshot;
@@ -59,7 +60,7 @@ pub enum NotDone {
     /// The link lists no such robot.
     Unknown,
     /// It cannot be done, for this reason.
-    Refused(String),
+    Refused(Sentence),
 }
 
 /// A robot that is to be reached by the link.
@@ -87,7 +88,7 @@ pub struct LinkedRobot {
     /// Whether it has joined the fleet.
     pub joined: bool,
     /// Why it is not commanded; nothing if it is.
-    pub not_ready: Option<String>,
+    pub not_ready: Option<Sentence>,
     /// Whether it waits for an operator to agree that it drives although it does not pause.
     pub needs_consent: bool,
     /// An action that failed, in words: people have to look after the robot.
@@ -162,8 +163,8 @@ pub struct SaidError {
 pub struct NoticedOfRobot {
     /// When.
     pub at: Time,
-    /// What, in words.
-    pub words: String,
+    /// What; the robot is the subject.
+    pub said: Sentence,
     /// Whether the robot claimed what is not so.
     pub is_false_claim: bool,
 }

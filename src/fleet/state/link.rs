@@ -4,6 +4,7 @@
 //! Refuses: to know how anything travels.
 
 use crate::state::kind::ObeyedLimits;
+use giveway_floor::text::Sentence;
 
 /// The name of the link to simulated robots, and to all robots from before links had names.
 pub const USUAL_LINK: &str = "sim";
@@ -60,9 +61,9 @@ pub struct LinkState {
     pub reach: LinkReach,
     /// How many visits the robot can be told beyond the last one that it reached; nothing for any number.
     pub capacity: Option<usize>,
-    /// Why the robot takes no orders, in the link's words; nothing if it takes them. It obeys speed limits all the
-    /// same, and drives on to where it was granted.
-    pub refuses: Option<String>,
+    /// Why the robot takes no orders; nothing if it takes them. It obeys speed limits all the same, and drives on to
+    /// where it was granted.
+    pub refuses: Option<Sentence>,
     /// The most that the robot was seen to obey of speed limits. What its kind obeys counts if that is less.
     pub limits: ObeyedLimits,
     /// The serial number of a stop at which the robot could not do what it was to do: it stands there until a person

@@ -25,6 +25,7 @@ use crate::state::worker::Guidance;
 use giveway_cell::arm::ArmOrder;
 use giveway_floor::id::{ClosureId, JobId, RobotId, WorkerId};
 use giveway_floor::route::Conditions;
+use giveway_floor::text::sentence::links;
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::Warehouse;
 use std::ops::Range;
@@ -86,7 +87,7 @@ impl Writer {
         let robots = self.ledger.robots.pairs().filter(|(_, r)| is_unlinked(&r.link));
         let unlinked: Vec<(RobotId, String)> = robots.map(|(robot, r)| (robot, r.link.clone())).collect();
         for (robot, link) in unlinked {
-            let refuses = Some(format!("the site has no link named {link}"));
+            let refuses = Some(links::no_such_link(link));
             self.scene.hear_link(
                 robot,
                 LinkState { reach: LinkReach::Lost, refuses, ..LinkState::default() },

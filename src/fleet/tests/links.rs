@@ -2,6 +2,7 @@
 
 use super::*;
 use giveway_floor::geometry::Pose;
+use giveway_floor::text::Sentence;
 
 const R0: RobotId = RobotId(0);
 
@@ -57,7 +58,7 @@ fn a_ledger_that_is_read_again_has_each_robot_at_its_link() {
     let without = Fleet::resume(again.ledger().clone(), Settings::default(), []);
     let state = without.link_state(R0).expect("its link is gone");
     assert_eq!(
-        (state.reach, state.refuses.as_deref()),
+        (state.reach, state.refuses.as_ref().map(Sentence::text)),
         (LinkReach::Lost, Some("the site has no link named mqtt"))
     );
 }
@@ -84,13 +85,19 @@ fn a_robot_whose_link_is_down_is_silent_at_once_and_goes_on_when_it_is_up_again(
 #[test]
 fn a_robot_whose_link_takes_no_orders_gets_none_and_is_told_why() {
     let mut floor = TestFloor::lab(2);
-    floor.step(link(LinkState { refuses: Some("in manual mode".into()), ..LinkState::default() }));
+    floor.step(link(LinkState {
+        refuses: Some(Sentence::without_code("in manual mode")),
+        ..LinkState::default()
+    }));
     let jobs = floor.submit_batch(2);
     floor.until_over(600);
     floor.assert_done_once(&jobs);
     assert_eq!(floor.fleet.why(R0), Some(Why::Refused));
     let state = floor.fleet.view(floor.now).robots[0].link_state.clone().expect("it is not as usual");
-    assert_eq!((state.reach, state.refuses.as_deref()), (LinkReach::ByReports, Some("in manual mode")));
+    assert_eq!(
+        (state.reach, state.refuses.as_ref().map(Sentence::text)),
+        (LinkReach::ByReports, Some("in manual mode"))
+    );
     assert_eq!(floor.fleet.ledger().chain(R0).granted(), 1, "the other one did both");
 }
 
@@ -239,7 +246,8 @@ fn has_heard(fleet: &Fleet) -> bool {
 fn a_fleet_that_takes_the_place_of_another_one_knows_what_links_said_to_it() {
     let mut floor = TestFloor::lab(1);
     floor.run(1);
-    let busy = LinkState { refuses: Some("somebody works on it".into()), ..LinkState::default() };
+    let busy =
+        LinkState { refuses: Some(Sentence::without_code("somebody works on it")), ..LinkState::default() };
     floor.step(link(busy.clone()));
     let mut anew = Fleet::resume(floor.fleet.ledger().clone(), floor.fleet.settings().clone(), []);
     assert_eq!(anew.link_state(R0), None);

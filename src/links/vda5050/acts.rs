@@ -89,7 +89,7 @@ impl RobotSession {
 
     /// The action at the end of the order has failed: the robot waits for a person.
     pub(super) fn fail(&mut self, serial: u64, notice: Notice) {
-        let words = notice.to_string();
+        let words = notice.said().to_string();
         self.notice(notice);
         self.order = OrderLife::Idle;
         if let Some(progress) = &mut self.progress {
@@ -120,7 +120,6 @@ impl RobotSession {
         let loads = state.loads.as_ref().map(|loads| !loads.is_empty());
         let wanted = matches!(act.act, Act::Lift(_));
         let kind = || action.kind.clone();
-        let carries = || if wanted { "nothing" } else { "something" }.to_owned();
         match self.action_state(&action.id) {
             Some(said)
                 if said.status == ActionStatus::Finished && loads.is_none_or(|loaded| loaded == wanted) =>
@@ -129,7 +128,7 @@ impl RobotSession {
             }
             // The load may be said one state later than the end.
             Some(said) if said.status == ActionStatus::Finished => {
-                waited.then(|| ActEnd::Failed(Notice::FalseFinished { action: kind(), carries: carries() }))
+                waited.then(|| ActEnd::Failed(Notice::FalseFinished { action: kind(), carries: !wanted }))
             }
             Some(said) if said.status == ActionStatus::Failed => {
                 let words =

@@ -6,9 +6,10 @@
 use super::pause::{START_PAUSE, STOP_PAUSE};
 use super::session::{AskedAction, RobotSession};
 use giveway_floor::geometry::{Point, to_mm};
+use giveway_floor::text::sentence::links;
+use giveway_floor::text::{Sentence, SentenceArg};
 use giveway_floor::time::{Span, Time};
 use giveway_vda5050::{ActionStatus, ConnectionState, Factsheet, OperatingMode, Parameter};
-use std::fmt;
 
 /// A state is asked for if none came for this long.
 const ASKS: Span = Span::from_secs(30);
@@ -313,35 +314,28 @@ impl RobotSession {
     }
 }
 
-impl fmt::Display for NotReady {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl NotReady {
+    /// Why, for people.
+    pub fn said(&self) -> Sentence {
         match self {
-            NotReady::NeverSeen => f.write_str("it was never heard of"),
-            NotReady::Offline => f.write_str("it is switched off"),
-            NotReady::ConnectionBroken => f.write_str("the broker has lost its connection"),
-            NotReady::Hibernating => f.write_str("it sleeps"),
-            NotReady::Silent => f.write_str("it does not answer"),
-            NotReady::OtherVersion(version) => {
-                write!(f, "it speaks version {version}, which is not spoken here")
-            }
-            NotReady::Mode(mode) => write!(f, "its operating mode is {mode:?}, not automatic"),
-            NotReady::NoPosition => f.write_str("it does not say where it is"),
-            NotReady::NotLocalized => f.write_str("it does not know where it is"),
-            NotReady::UnknownMap(map) => write!(f, "it is on map {map:?}, which is none of this floor's"),
-            NotReady::OnNoNode(off_mm) => {
-                write!(f, "it is on no node: the nearest is {:.2} m away", *off_mm as f64 / 1000.0)
-            }
-            NotReady::ForeignOrder(order) => write!(f, "it drives by order {order:?}, which is not ours"),
-            NotReady::PausedByHand => {
-                f.write_str("it is paused, and not from here: let it go on at the robot")
-            }
-            NotReady::Unproven => f.write_str("it was not yet seen to pause and go on"),
-            NotReady::NoPause(Some(words)) => write!(f, "it does not pause when told to: {words}"),
-            NotReady::NoPause(None) => f.write_str("it does not pause when told to"),
-            NotReady::Rejects(words) => write!(f, "it refuses orders: {words}"),
-            NotReady::NeedsButton => {
-                f.write_str("it waits for a trigger and takes none from here: press the button at it")
-            }
+            NotReady::NeverSeen => links::never_heard(),
+            NotReady::Offline => links::switched_off(),
+            NotReady::ConnectionBroken => links::connection_lost(),
+            NotReady::Hibernating => links::sleeps(),
+            NotReady::Silent => links::does_not_answer(),
+            NotReady::OtherVersion(version) => links::speaks_other_version(version),
+            NotReady::Mode(mode) => links::not_automatic(format!("{mode:?}").to_uppercase()),
+            NotReady::NoPosition => links::says_no_position(),
+            NotReady::NotLocalized => links::not_localized(),
+            NotReady::UnknownMap(map) => links::on_unknown_map(map),
+            NotReady::OnNoNode(off_mm) => links::on_no_node(SentenceArg::rounded(*off_mm as f64 / 1000.0, 2)),
+            NotReady::ForeignOrder(order) => links::drives_foreign_order(order),
+            NotReady::PausedByHand => links::paused_at_robot(),
+            NotReady::Unproven => links::obedience_not_seen(),
+            NotReady::NoPause(Some(words)) => links::does_not_pause_since(words),
+            NotReady::NoPause(None) => links::does_not_pause(),
+            NotReady::Rejects(words) => links::refuses_orders(words),
+            NotReady::NeedsButton => links::needs_button(),
         }
     }
 }

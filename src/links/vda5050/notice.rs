@@ -2,7 +2,8 @@
 //!
 //! Main type: [`Notice`]. Refuses: to punish; who reads it decides what trust is left.
 
-use std::fmt;
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::links;
 
 /// Something noticed of a robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,8 +12,8 @@ pub enum Notice {
     FalseFinished {
         /// The action's type.
         action: String,
-        /// What it carries, in words.
-        carries: String,
+        /// Whether it carries something.
+        carries: bool,
     },
     /// It ended an order without a word about the order's action.
     SilentAction {
@@ -75,23 +76,23 @@ impl Notice {
     }
 }
 
-impl fmt::Display for Notice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Notice {
+    /// What was noticed, for people; the robot is the subject.
+    pub fn said(&self) -> Sentence {
         match self {
-            Notice::FalseFinished { action, carries } => {
-                write!(f, "says that {action} is finished, and carries {carries}")
-            }
-            Notice::SilentAction { action } => write!(f, "ended its order without a word about {action}"),
-            Notice::ActionFailed { action, words } => write!(f, "{action} failed: {words}"),
-            Notice::FalseCancel => f.write_str("says that its order is cancelled, and goes on"),
-            Notice::NoCancel => f.write_str("does not cancel its order"),
-            Notice::FalsePause => f.write_str("says that it is paused, and moves"),
-            Notice::NoPause { words: Some(words) } => write!(f, "does not pause: {words}"),
-            Notice::NoPause { words: None } => f.write_str("does not pause"),
-            Notice::FalseProgress { said } => write!(f, "says that it is where it cannot be: {said}"),
-            Notice::Rejected { words } => write!(f, "refuses an order: {words}"),
-            Notice::NotTaken => f.write_str("does not take the order that it is sent"),
-            Notice::OtherName { named } => write!(f, "sends states in the name of {named}"),
+            Notice::FalseFinished { action, carries: true } => links::noticed_finished_and_full(action),
+            Notice::FalseFinished { action, carries: false } => links::noticed_finished_and_empty(action),
+            Notice::SilentAction { action } => links::noticed_silent_action(action),
+            Notice::ActionFailed { action, words } => links::noticed_action_failed(action, words),
+            Notice::FalseCancel => links::noticed_false_cancel(),
+            Notice::NoCancel => links::noticed_no_cancel(),
+            Notice::FalsePause => links::noticed_false_pause(),
+            Notice::NoPause { words: Some(words) } => links::noticed_no_pause_since(words),
+            Notice::NoPause { words: None } => links::noticed_no_pause(),
+            Notice::FalseProgress { said } => links::noticed_false_progress(said),
+            Notice::Rejected { words } => links::noticed_rejected(words),
+            Notice::NotTaken => links::noticed_not_taken(),
+            Notice::OtherName { named } => links::noticed_other_name(named),
         }
     }
 }

@@ -6,6 +6,8 @@ use super::cancel::CANCEL;
 use super::pause::{START_PAUSE, STOP_PAUSE};
 use super::session::{RobotSession, SessionOutput};
 use giveway_floor::geometry::{Pose, wrap_angle};
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::links;
 use giveway_floor::time::{Span, Time};
 use giveway_vda5050::{ActionStatus, Parameter};
 use serde_json::json;
@@ -45,19 +47,14 @@ impl RobotSession {
         now: Time,
         kind: &str,
         parameters: Vec<Parameter>,
-    ) -> Result<(String, SessionOutput), String> {
-        let other = match kind {
-            START_PAUSE | STOP_PAUSE => {
-                Some("POST /v1/robots/{id}/pause and .../resume stop a robot and let it go on")
-            }
-            CANCEL => Some("DELETE /v1/jobs/{id} takes a robot's job away, and its order with it"),
-            _ => None,
-        };
-        if let Some(other) = other {
-            return Err(format!("Giveway says {kind} to robots by itself: {other}"));
+    ) -> Result<(String, SessionOutput), Sentence> {
+        match kind {
+            START_PAUSE | STOP_PAUSE => return Err(links::pauses_are_requests(kind)),
+            CANCEL => return Err(links::cancels_are_requests(kind)),
+            _ => {}
         }
         if let Some(why) = self.unreachable(now) {
-            return Err(format!("nothing reaches the robot: {why}"));
+            return Err(links::nothing_reaches(why.said()));
         }
         let id = self.new_id();
         self.instant(kind, &id, parameters);
@@ -79,11 +76,11 @@ impl RobotSession {
     ///
     /// # Errors
     /// If nobody said which of the robot's maps is the floor.
-    pub fn init_position(&self, place: Pose) -> Result<Vec<Parameter>, String> {
+    pub fn init_position(&self, place: Pose) -> Result<Vec<Parameter>, Sentence> {
         let said = self.state().and_then(|(_, state)| state.position.as_ref()).map(|p| p.map.clone());
         let maps = &self.settings.maps;
         let frame = maps.iter().find(|frame| Some(&frame.name) == said.as_ref()).or(maps.first());
-        let frame = frame.ok_or("the robot's kind has no `link.maps`, so that its map is unknown")?;
+        let frame = frame.ok_or_else(links::kind_has_no_maps)?;
         let (x, y) = frame.to_robot(place.at);
         let far = |at: giveway_floor::geometry::Point| (at - place.at).norm();
         let nodes = self.map.nodes.iter();

@@ -5,6 +5,7 @@
 use super::contact::NotReady;
 use super::session::RobotSession;
 use giveway_fleet::{Fault, LinkReach, LinkState, ObeyedLimits, Telemetry};
+use giveway_floor::text::sentence::links;
 use giveway_floor::time::Time;
 use giveway_vda5050::{EStop, ErrorLevel, OperatingMode, Position, Velocity};
 
@@ -102,8 +103,8 @@ impl RobotSession {
             return;
         }
         let refuses = match self.is_paused_by_hand() {
-            true => Some("somebody has paused it where it is".to_owned()),
-            false => self.not_ready(now).map(|why| why.to_string()),
+            true => Some(links::paused_where_it_is()),
+            false => self.not_ready(now).map(|why| why.said()),
         };
         let capacity = Some(self.most_visits());
         let failed_stop = self.progress.as_ref().and_then(|p| p.failed.as_ref()).map(|failed| failed.serial);

@@ -446,7 +446,7 @@ impl LinkFloor {
     }
 
     fn notices(&self, i: usize) -> Vec<String> {
-        self.pairs[i].noticed.iter().map(ToString::to_string).collect()
+        self.pairs[i].noticed.iter().map(|notice| notice.said().to_string()).collect()
     }
 }
 

@@ -17,6 +17,7 @@ use giveway_floor::geometry::Spot;
 use giveway_floor::id::{
     AssignmentId, ClosureId, CustomerId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
+use giveway_floor::text::Sentence;
 use giveway_floor::time::{Span, Time, Window};
 use giveway_people::human::{Mover, Vehicle};
 use serde::{Deserialize, Serialize};
@@ -170,7 +171,8 @@ impl RequestRow {
 
     /// The row for the state of a robot's link.
     pub fn link(robot: RobotId, state: &LinkState) -> RequestRow {
-        let LinkState { reach, capacity, refuses, limits, failed_stop } = state.clone();
+        let LinkState { reach, capacity, ref refuses, limits, failed_stop } = *state;
+        let refuses = refuses.as_ref().map(Sentence::kept);
         match (reach, limits, failed_stop) {
             (LinkReach::ByReports | LinkReach::Lost, ObeyedLimits::Speeds, None) => {
                 RequestRow::Link(robot.0, reach.is_up(), capacity, refuses)
@@ -297,6 +299,7 @@ fn linked(
     (reach, capacity, refuses): (LinkReach, Option<usize>, Option<String>),
     (limits, failed_stop): (ObeyedLimits, Option<u64>),
 ) -> Input {
+    let refuses = refuses.map(|kept| Sentence::read(&kept));
     Input::Link(RobotId(robot), LinkState { reach, capacity, refuses, limits, failed_stop })
 }
 

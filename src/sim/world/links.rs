@@ -7,6 +7,7 @@ use crate::random::Stream;
 use crate::scenario::Faults;
 use giveway_fleet::{Command, Input, LinkReach, LinkState};
 use giveway_floor::id::RobotId;
+use giveway_floor::text::Sentence;
 use giveway_floor::time::{Span, Time};
 
 /// Fewest and most visits of a robot that holds few.
@@ -72,7 +73,7 @@ impl LinkTrouble {
         let usual = LinkState::default();
         match self.random.below(3) {
             0 => LinkState { reach: LinkReach::Lost, ..usual },
-            1 => LinkState { refuses: Some("somebody works on it".into()), ..usual },
+            1 => LinkState { refuses: Some(Sentence::without_code("somebody works on it")), ..usual },
             _ => LinkState { capacity: Some(FEW.0 + self.random.below(FEW.1)), ..usual },
         }
     }

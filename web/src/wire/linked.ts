@@ -1,5 +1,6 @@
 // Robots of other vendors, which speak VDA 5050: what their link knows of them, and what is said to them.
 import type { Answer } from './api';
+import type { Sentence } from './sentence';
 
 /** A robot that speaks VDA 5050, on the floor or still waiting to join. */
 export interface LinkedRobot {
@@ -10,8 +11,8 @@ export interface LinkedRobot {
   /** The version of the protocol that is spoken with it. */
   version: string;
   joined: boolean;
-  /** Why it is not commanded, in words; null if it is. */
-  not_ready: string | null;
+  /** Why it is not commanded; null if it is. */
+  not_ready: Sentence | null;
   /** Whether it waits for an administrator's consent, because it does not pause when told to. */
   needs_consent: boolean;
   /** The action that failed, in words; null if none did. */
@@ -63,7 +64,7 @@ export interface SaidError {
 }
 export interface NoticedOfRobot {
   at: string;
-  words: string;
+  said: Sentence;
   is_false_claim: boolean;
 }
 /** A robot that was heard of and that nobody listed. */

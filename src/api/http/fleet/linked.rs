@@ -72,9 +72,7 @@ fn no_such(name: &str) -> Problem {
 pub fn not_done(name: &str, why: NotDone) -> Problem {
     match why {
         NotDone::Unknown => no_such(name),
-        NotDone::Refused(words) => {
-            Problem::conflict("robot-link", "The robot's link cannot do this", requests::link_refuses(words))
-        }
+        NotDone::Refused(why) => Problem::conflict("robot-link", "The robot's link cannot do this", why),
     }
 }
 

@@ -10,12 +10,14 @@ use crate::http::shared::paging::checked_limit;
 use crate::state::called::Called;
 use crate::wire::error::{FieldError, Problem};
 use crate::wire::extract::{Params, PathPart, read_end, read_time};
+use crate::wire::sentence::SentenceSchema;
 use crate::wire::sentence::{SentenceArgsSchema, kept_parts};
 use crate::wire::text::{alarm_name, job_name, round3, time_text};
 use axum::Json;
 use giveway_fleet::alarm::{AlarmSubject, SubjectKind};
 use giveway_fleet::{LinkState, RobotEventQuery, RobotEventRow, RobotEventSource, RobotView};
 use giveway_floor::id::{Dense, JobId};
+use giveway_floor::text::Sentence;
 use giveway_floor::text::SentenceArgs;
 use giveway_floor::text::sentence::requests;
 use giveway_floor::time::Time;
@@ -61,9 +63,9 @@ pub struct RobotLinkDto {
     pub reach: &'static str,
     /// How many visits beyond the last one reached an order can contain; null for any number.
     pub capacity: Option<usize>,
-    /// Why the robot takes no orders, in the link's words; null if it takes them.
-    #[schema(example = "a person drives it")]
-    pub refuses: Option<String>,
+    /// Why the robot takes no orders; null if it takes them.
+    #[schema(value_type = Option<SentenceSchema>)]
+    pub refuses: Option<Sentence>,
 }
 
 impl From<&RobotView> for RobotLinkDto {

@@ -11,6 +11,7 @@ mod arg;
 pub mod bookmarks;
 pub mod feed;
 pub mod guidance;
+pub mod links;
 pub mod reasons;
 pub mod refusals;
 pub mod remedies;
@@ -95,7 +96,7 @@ pub struct SentenceEntry {
 }
 
 /// All sentences, by subject.
-pub const SENTENCES: [&[SentenceEntry]; 8] = [
+pub const SENTENCES: [&[SentenceEntry]; 9] = [
     reasons::ENTRIES,
     alarms::ENTRIES,
     remedies::ENTRIES,
@@ -104,6 +105,7 @@ pub const SENTENCES: [&[SentenceEntry]; 8] = [
     requests::ENTRIES,
     feed::ENTRIES,
     guidance::ENTRIES,
+    links::ENTRIES,
 ];
 
 /// Lists sentences, each as `code(place, place) = "English text with {place}";`, and makes a constructor of each. A

@@ -16,7 +16,6 @@ sentences! {
         "the floor has no link to robots of other vendors: give the site `links.mqtt`, or start with --mqtt";
     robot_not_linked(name) =
         "no robot \"{name}\" speaks VDA 5050 here; GET /v1/robots?unlisted=true lists who is heard";
-    link_refuses(words) = "{words}";
     action_not_remembered(action) = "no action \"{action}\" is remembered; the last 50 of each robot are";
     node_or_address() =
         "say where a robot stands with `node`, or how to reach it with `manufacturer` and `serial`: not both";

@@ -11,7 +11,7 @@ fn a_robot_that_fails_to_pause_gets_no_orders_until_an_operator_agrees() {
     assert!(matches!(not_ready, Some(NotReady::NoPause(_))), "{not_ready:?}");
     let robot = floor.pairs[0].number.expect("it has joined: it is in others' way");
     let link = floor.fleet.link_state(robot).expect("its link has said so");
-    assert!(link.refuses.as_ref().is_some_and(|why| why.contains("does not pause")), "{link:?}");
+    assert!(link.refuses.as_ref().is_some_and(|why| why.text().contains("does not pause")), "{link:?}");
     floor.pairs[0].session.consent();
     floor.all_ready();
     floor.run(1);

@@ -66,7 +66,7 @@ fn an_action_of_an_operator_is_sent_alone_and_its_fate_is_known() {
     });
     for ours in ["startPause", "stopPause", "cancelOrder"] {
         let why = floor.pairs[0].session.act(floor.now, ours, Vec::new()).expect_err("Giveway says it");
-        assert!(why.contains("by itself"), "{why}");
+        assert!(why.text().contains("by itself"), "{why}");
     }
     assert_eq!(floor.pairs[0].session.sent_action("gw-1-999"), None);
 }

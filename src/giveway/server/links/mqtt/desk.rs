@@ -10,6 +10,8 @@ use giveway_api::{
     SaidState, UnlistedRobot,
 };
 use giveway_fleet::Fleet;
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::links;
 use giveway_floor::time::Time;
 use giveway_links::vda5050::{INIT_POSITION, NotReady};
 use giveway_site::ListedRobot;
@@ -78,7 +80,7 @@ impl MqttRobots {
         let given = parameters.into_iter().map(|(key, value)| Parameter { key, value });
         let parameters = match place {
             Some(place) if kind == INIT_POSITION => here.session.init_position(place),
-            Some(_) => Err(format!("a place goes with {INIT_POSITION} only")),
+            Some(_) => Err(links::place_goes_with(INIT_POSITION)),
             None => Ok(given.collect()),
         };
         let sent = parameters.and_then(|parameters| here.session.act(now, &kind, parameters));
@@ -91,8 +93,7 @@ impl MqttRobots {
         let address = self.address_of(name)?;
         let why = self.robots.get(&address).and_then(|here| here.session.not_ready(now));
         if !matches!(why, Some(NotReady::NoPause(_))) {
-            let words = "there is nothing to agree to: the robot has not failed to pause when told to";
-            return Err(NotDone::Refused(words.to_owned()));
+            return Err(NotDone::Refused(links::nothing_to_agree_to()));
         }
         self.with(now, &address, |session| {
             session.consent();
@@ -106,8 +107,7 @@ impl MqttRobots {
         let here = self.robots.get(&address).ok_or(NotDone::Unknown)?;
         let refuses = matches!(here.session.not_ready(now), Some(NotReady::Rejects(_)));
         if here.session.failure().is_none() && !refuses {
-            let words = "no action of the robot has failed, and it refuses no orders";
-            return Err(NotDone::Refused(words.to_owned()));
+            return Err(NotDone::Refused(links::nothing_to_settle()));
         }
         let rack = here.number.and_then(|robot| fleet.ledger().rack_on(robot));
         self.with(now, &address, |session| {
@@ -119,22 +119,22 @@ impl MqttRobots {
 
     /// Lists a robot. Gives whether it is new.
     fn list(&mut self, new: NewLinked, fleet: &Fleet) -> Result<bool, NotDone> {
-        let refused = |words: String| Err(NotDone::Refused(words));
+        let refused = |why: Sentence| Err(NotDone::Refused(why));
         let address = Address::new(&new.manufacturer, &new.serial);
-        let address = address.map_err(|why| NotDone::Refused(why.to_string()))?;
+        let address = address.map_err(|why| NotDone::Refused(links::no_address(why.to_string())))?;
         let version = match new.version.as_deref().map(|text| (text, Version::of_text(text))) {
             Some((text, None)) => {
-                return refused(format!("version {text} is not spoken: 2.0.0, 2.1.0 or 3.0.0"));
+                return refused(links::version_not_spoken(text));
             }
             Some((_, version)) => version,
             None => None,
         };
         let most = fleet.settings().limits.robots;
         if self.robots.len() >= most && self.named(&new.name).is_none() {
-            return refused(format!("{most} robots are listed, which is the site's limit"));
+            return refused(links::all_robots_listed(most));
         }
         if fleet.ledger().kinds().named(&new.kind).is_none() && !self.kinds.has(&new.kind) {
-            return refused(format!("there is no kind {}: GET /v1/kinds lists the kinds", new.kind));
+            return refused(links::no_such_kind(new.kind));
         }
         let listed = ListedRobot { name: new.name, address, kind: new.kind, version };
         if let Some(here) = self.robots.get_mut(&listed.address).filter(|here| here.listed == listed) {
@@ -143,9 +143,9 @@ impl MqttRobots {
             return Ok(comes_back);
         }
         match (self.robots.get(&listed.address), self.named(&listed.name)) {
-            (Some(here), _) => return refused(format!("this robot is listed as {}", here.listed.name)),
+            (Some(here), _) => return refused(links::listed_as(&here.listed.name)),
             (None, Some(here)) => {
-                return refused(format!("{} is another robot: {}", listed.name, here.listed.address));
+                return refused(links::is_another_robot(&listed.name, here.listed.address.to_string()));
             }
             (None, None) => {}
         }
@@ -197,8 +197,7 @@ fn row(here: &RobotHere, kinds: &OpenKinds, now: Time, fleet: &Fleet) -> LinkedR
     let RobotHere { listed, session, .. } = here;
     let why = session.not_ready(now);
     let needs_care = session.failure().is_some() || matches!(why, Some(NotReady::Rejects(_)));
-    let left = "it has left the floor: POST /v1/robots registers it again";
-    let left = here.has_left(fleet.ledger()).then(|| left.to_owned());
+    let left = here.has_left(fleet.ledger()).then(links::has_left_floor);
     let kind = fleet.ledger().kinds().named(&listed.kind);
     let differences = |sheet| kind.map(|kind| contradictions(kind, sheet)).unwrap_or_default();
     let waits = if kind.is_none() { kinds.why_not(&listed.kind, why.as_ref()) } else { None };
@@ -213,7 +212,7 @@ fn row(here: &RobotHere, kinds: &OpenKinds, now: Time, fleet: &Fleet) -> LinkedR
         version: session.version().text().to_owned(),
         joined: here.number.is_some(),
         needs_consent: matches!(why, Some(NotReady::NoPause(_))),
-        not_ready: left.or(waits).or(why.map(|why| why.to_string())),
+        not_ready: left.or(waits).or(why.map(|why| why.said())),
         failed: session.failure().map(str::to_owned),
         needs_care,
         order: session.order_text(),

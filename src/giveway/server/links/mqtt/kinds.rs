@@ -7,6 +7,8 @@ use super::robot::RobotHere;
 use giveway_api::FigureRow;
 use giveway_fleet::{Asker, Fleet, FloorAction, Input, KindRefusal, Refusal, RobotKind, Token};
 use giveway_floor::geometry::Point;
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::links;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Footprint;
 use giveway_links::vda5050::NotReady;
@@ -25,7 +27,7 @@ pub struct OpenKinds {
     /// The one that the fleet was asked to add and has not answered about, and when it was asked.
     asked: Option<(String, Time)>,
     /// Those that it did not add: when it was asked, and why.
-    refused: BTreeMap<String, (Time, String)>,
+    refused: BTreeMap<String, (Time, Sentence)>,
 }
 
 impl OpenKinds {
@@ -67,26 +69,19 @@ impl OpenKinds {
         let Some((name, _)) = self.asked.take() else { return };
         let why = match answer {
             Ok(()) => return,
-            Err(Refusal::Kind(KindRefusal::TooLarge)) => {
-                "it is too large for this floor's map by its factsheet: give its kind a `footprint`"
-                    .to_owned()
-            }
-            Err(Refusal::Kind(KindRefusal::Clearance)) => {
-                "it brakes too slowly for this floor by its factsheet: give its kind its figures".to_owned()
-            }
-            Err(Refusal::TooMany(..)) => "the floor has as many kinds of robots as it may have".to_owned(),
-            Err(other) => format!("its kind cannot be added: {other:?}"),
+            Err(Refusal::Kind(KindRefusal::TooLarge)) => links::kind_too_large(),
+            Err(Refusal::Kind(KindRefusal::Clearance)) => links::kind_brakes_slowly(),
+            Err(Refusal::TooMany(..)) => links::kinds_are_full(),
+            Err(other) => links::kind_refused(format!("{other:?}")),
         };
         self.refused.insert(name, (now, why));
     }
 
-    /// Why a robot has not joined whose kind is not known yet, in words, if nothing else keeps it.
-    pub fn why_not(&self, name: &str, why: Option<&NotReady>) -> Option<String> {
+    /// Why a robot has not joined whose kind is not known yet, if nothing else keeps it.
+    pub fn why_not(&self, name: &str, why: Option<&NotReady>) -> Option<Sentence> {
         match (self.refused.get(name), why) {
             (Some((_, refused)), _) => Some(refused.clone()),
-            (None, None | Some(NotReady::Unproven)) => {
-                Some("its kind waits for what it says of itself".to_owned())
-            }
+            (None, None | Some(NotReady::Unproven)) => Some(links::kind_waits()),
             (None, Some(_)) => None,
         }
     }

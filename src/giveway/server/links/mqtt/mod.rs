@@ -292,7 +292,7 @@ impl MqttRobots {
         self.claimed = Some(now);
         let last = |here: &RobotHere| {
             let (at, notice) = here.noticed.iter().rev().find(|(_, notice)| notice.is_lie())?;
-            (now - *at < CLAIMS).then(|| alarms::robot_claim(&here.listed.name, notice.to_string()))
+            (now - *at < CLAIMS).then(|| alarms::robot_claim(&here.listed.name, notice.said()))
         };
         let all: Vec<Sentence> = self.robots.values().filter_map(last).collect();
         self.alarms.push(DriveAlarm::Raise(AlarmKind::RobotClaims, alarms::robot_claims(all)));

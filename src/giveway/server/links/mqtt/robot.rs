@@ -100,7 +100,7 @@ impl RobotHere {
 
     /// Keeps a notice among the last ones.
     pub fn note(&mut self, at: Time, notice: Notice) {
-        tracing::warn!(robot = self.listed.name, "{notice}");
+        tracing::warn!(robot = self.listed.name, "{}", notice.said());
         if self.noticed.len() >= NOTICES {
             self.noticed.pop_front();
         }
@@ -117,7 +117,7 @@ impl RobotHere {
     pub fn notices(&self) -> Vec<NoticedOfRobot> {
         let row = |(at, notice): &(Time, Notice)| NoticedOfRobot {
             at: *at,
-            words: notice.to_string(),
+            said: notice.said(),
             is_false_claim: notice.is_lie(),
         };
         self.noticed.iter().map(row).collect()
