@@ -3,7 +3,7 @@
 //! `UPDATE_MAPS=1 cargo test --test maps` writes the maps anew after a generator has changed.
 
 use giveway::warehouse::{
-    ShutIn, Warehouse, formats, kiva, lab, mixed, shut_in, shut_in_text, stations, thesis,
+    ShutIn, Warehouse, docks, formats, kiva, lab, mixed, shut_in, shut_in_text, stations, thesis,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -12,8 +12,8 @@ fn path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("maps").join(name)
 }
 
-fn shipped() -> [Warehouse; 5] {
-    [lab(), thesis(), kiva(), mixed(), stations()]
+fn shipped() -> [Warehouse; 6] {
+    [lab(), thesis(), kiva(), mixed(), stations(), docks()]
 }
 
 fn schema() -> Value {
@@ -55,7 +55,7 @@ fn a_robot_that_breaks_down_shuts_others_in_on_the_shipped_maps_only_so() {
     // At stations: how many findings, nodes of the largest; the same for dead ends.
     assert_eq!(
         shipped().map(|w| found(&w)),
-        [(1, 2, 0, 0), (2, 6, 0, 0), (60, 13, 110, 11), (2, 7, 0, 0), (7, 13, 31, 11)]
+        [(1, 2, 0, 0), (2, 6, 0, 0), (60, 13, 110, 11), (2, 7, 0, 0), (7, 13, 31, 11), (16, 13, 78, 11)]
     );
     let lines = shut_in_text(&shut_in(&kiva()));
     assert!(lines.len() <= 13, "few lines: {lines:#?}");

@@ -214,6 +214,16 @@ fn a_forklift_among_people_and_robots_keeps_the_laws() {
     holds("forklift");
 }
 
+/// A robot that drove on past a truck, within the circle in which it turns, once touched its corner.
+#[test]
+fn no_robot_drives_past_a_truck_within_its_turning_circle() {
+    let mut setup = Setup::read("forklift");
+    (setup.scenario.seed, setup.scenario.demand) = (14, Demand::Backlog(40));
+    (setup.scenario.duration, setup.scenario.drain) = (Span::from_secs(200), Span::ZERO);
+    let outcome = setup.run();
+    assert_eq!((outcome.law_violations, outcome.people.figures.contacts), (0, 0), "{:?}", outcome.broken);
+}
+
 /// The driver obeys what people obey, and works as they do: nothing touches the vehicle, on whatever seed.
 #[test]
 fn nothing_touches_a_forklift_whose_driver_obeys() {

@@ -20,7 +20,7 @@ use giveway_people::aware::{
     BEYOND, DriveAhead, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, Walk, collision, moves_within,
     quantised,
 };
-use giveway_people::human::{Presence, Whereabouts};
+use giveway_people::human::{Mover, Presence, Whereabouts};
 
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.05;
@@ -408,20 +408,31 @@ impl SpeedLimits<'_> {
     /// Whether a robot's next piece of way leads away from a person: along what it was granted, or back where it is
     /// called to. A robot that drives back, or has yielded there for long, may also pass, if that is no nearer than it
     /// is already; so may any robot past a person who stands, since neither gets anywhere while the robot stands in the
-    /// way.
+    /// way. Not so past a vehicle whose turning circle the robot is in, until it has yielded for long: nobody knows which
+    /// way the vehicle is turned.
     pub(crate) fn drives_away(&self, robot: RobotId, at: Point, w: &Whereabouts, now: Time) -> bool {
         let back = self.drives_back_to(robot);
         let lax = back.is_some() || self.yielding.stood_for(robot, now).is_some();
-        self.next_place(robot).is_some_and(|there| {
-            leads_off(at, there, w.at) || (lax || stands(w)) && comes_no_nearer(at, there, w.at)
-        })
+        let may_pass = lax || stands(w) && !self.is_in_circle(at, w);
+        self.next_place(robot)
+            .is_some_and(|there| leads_off(at, there, w.at) || may_pass && comes_no_nearer(at, there, w.at))
+    }
+
+    /// Whether a robot at a place reaches into the circle in which a vehicle turns.
+    fn is_in_circle(&self, at: Point, w: &Whereabouts) -> bool {
+        let half_m = self.floor.warehouse().footprint_m / 2.0;
+        match w.mover {
+            Mover::OnFoot => false,
+            Mover::Vehicle(_) => (at - w.at).norm() < w.mover.body_m() + half_m,
+        }
     }
 
     /// Whether a robot drives past a person who stands, no nearer than it is and not straight away either: slowly,
     /// since the person may set off.
     fn passes_slowly(&self, robot: RobotId, at: Point, w: &Whereabouts, now: Time) -> bool {
         let lax = self.drives_back_to(robot).is_some() || self.yielding.stood_for(robot, now).is_some();
-        let passes = |there| !leads_off(at, there, w.at) && comes_no_nearer(at, there, w.at);
+        let is_near = self.is_in_circle(at, w);
+        let passes = |there| !is_near && !leads_off(at, there, w.at) && comes_no_nearer(at, there, w.at);
         !lax && stands(w) && self.next_place(robot).is_some_and(passes)
     }
 

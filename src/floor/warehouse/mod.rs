@@ -29,7 +29,7 @@ pub use check::{
 pub use corridor::{CORRIDOR_MAX_M, Corridor};
 pub use differences::{Difference, HowDifferent, differences};
 pub use footprint::{Footprint, Hull};
-pub use generate::{Blocks, kiva, lab, mixed, stations, thesis, with_cells};
+pub use generate::{Blocks, docks, kiva, lab, mixed, stations, thesis, with_cells};
 pub use sketch::sketch;
 pub use summary::{MapSummary, summary};
 pub use svg::{review_to_svg, to_svg};

@@ -122,6 +122,9 @@ pub struct GenerateArgs {
     /// Share of the storage nodes with a rack.
     #[arg(long, default_value_t = 0.85)]
     fill: f64,
+    /// Metres between the two lanes of a main road, 1 to 10: 2.5 or more lets robots pass a truck there.
+    #[arg(long, default_value_t = 1.0)]
+    road: f64,
     /// Where to write the map; standard output if absent.
     #[arg(long, short)]
     output: Option<PathBuf>,
@@ -225,6 +228,11 @@ impl GenerateArgs {
         };
         anyhow::ensure!((0.0..=1.0).contains(&self.fill), "--fill must be from 0 to 1, not {}", self.fill);
         anyhow::ensure!(
+            (1.0..=10.0).contains(&self.road),
+            "--road must be from 1 to 10 m, not {}",
+            self.road
+        );
+        anyhow::ensure!(
             (0.0..=3600.0).contains(&self.pick),
             "--pick must be from 0 to 3600 s, not {}",
             self.pick
@@ -241,6 +249,7 @@ impl GenerateArgs {
             chargers: self.chargers,
             parking: self.parking,
             fill: self.fill,
+            road_m: self.road,
         };
         let warehouse =
             blocks.draft().build().map_err(|e| anyhow::anyhow!("these parameters make no map:\n{e}"))?;

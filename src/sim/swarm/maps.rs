@@ -57,6 +57,7 @@ fn blocks(random: &mut Stream) -> Blocks {
         chargers,
         parking,
         fill: random.between(0.2, 0.9),
+        road_m: 1.0,
     }
 }
 

@@ -2,7 +2,9 @@
 
 use super::{Severity, review};
 use crate::geometry::Point;
-use crate::warehouse::{Draft, DraftLane, DraftNode, Users, kiva, lab, mixed, review_to_svg, sketch, thesis};
+use crate::warehouse::{
+    Draft, DraftLane, DraftNode, Users, docks, kiva, lab, mixed, review_to_svg, sketch, thesis,
+};
 
 fn warnings(draft: &Draft) -> Vec<String> {
     let review = review(draft);
@@ -23,7 +25,7 @@ fn stretched(by: f64) -> Draft {
 
 #[test]
 fn maps_that_ship_have_sizes_that_nobody_wonders_about() {
-    for map in [lab(), thesis(), mixed(), kiva()] {
+    for map in [lab(), thesis(), mixed(), docks(), kiva()] {
         let text = crate::warehouse::formats::json::write(&map);
         let draft = crate::warehouse::formats::json::parse_draft(&text).expect("our own writing");
         assert_eq!(warnings(&draft), [""; 0], "{}", map.name);

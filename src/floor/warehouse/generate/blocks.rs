@@ -34,6 +34,8 @@ pub struct Blocks {
     pub parking: usize,
     /// Share of the storage places with a rack, 0 to 1.
     pub fill: f64,
+    /// Metres between the two lanes of a main road: 1, or more for vehicles that robots are to pass there.
+    pub road_m: f64,
 }
 
 impl Default for Blocks {
@@ -50,6 +52,7 @@ impl Default for Blocks {
             chargers: 8,
             parking: 8,
             fill: 0.85,
+            road_m: 1.0,
         }
     }
 }
@@ -106,7 +109,7 @@ impl Blocks {
     /// road at the end; station bays, chargers and parking places beyond the outermost roads; a door for people at two
     /// corners and at the ends of the roads between the groups.
     ///
-    /// The pitch is 1 m. Storage places open to the aisle along their row and, at the ends of a block, to the
+    /// The pitch is 1 m, but for the lanes of main roads. Storage places open to the aisle along their row and, at the ends of a block, to the
     /// aisle there; unloaded robots also drive beneath the racks of a block.
     pub fn draft(&self) -> Draft {
         let mut hall = HallDraft {
@@ -126,7 +129,7 @@ impl Blocks {
             side.doors(&mut hall);
         }
         self.places(&mut hall, &[west, east]);
-        hall.pen.draft
+        hall.widened(self.road_m)
     }
 
     /// Adds chargers between the stations; the others and the parking places go north and south, mixed evenly.
@@ -154,7 +157,26 @@ impl Blocks {
     }
 }
 
+impl Streets {
+    /// Where a coordinate comes to lie if the lanes of each road are this many metres apart.
+    fn widened(&self, coordinate: f64, road_m: f64) -> f64 {
+        let between = self.roads.iter().map(|&road| (coordinate - road as f64).clamp(0.0, 1.0));
+        coordinate + (road_m - 1.0) * between.sum::<f64>()
+    }
+}
+
 impl HallDraft {
+    /// The draft with the lanes of each main road this many metres apart.
+    fn widened(self, road_m: f64) -> Draft {
+        let HallDraft { pen, along_y, along_x } = self;
+        let mut draft = pen.draft;
+        let outlines = draft.walkable.iter_mut().chain(&mut draft.obstacles).flatten();
+        for at in draft.nodes.iter_mut().map(|node| &mut node.at).chain(outlines) {
+            (at.x, at.y) = (along_y.widened(at.x, road_m), along_x.widened(at.y, road_m));
+        }
+        draft
+    }
+
     pub fn is_street(&self, (x, y): Cell) -> bool {
         self.along_y.at(x).is_some() || self.along_x.at(y).is_some()
     }

@@ -1,6 +1,6 @@
 //! Maps made by rule: the maps shipped in `maps/`, and [`Blocks`] for others like them.
 //!
-//! Main type: [`Blocks`]; [`lab`], [`thesis`], [`mixed()`], [`stations()`] and [`kiva`] are the shipped halls. Refuses:
+//! Main type: [`Blocks`]; [`lab`], [`thesis`], [`mixed()`], [`stations()`], [`docks`] and [`kiva`] are the shipped halls. Refuses:
 //! chance; the same parameters give the same map.
 
 mod blocks;
@@ -18,6 +18,23 @@ pub use stations::{stations, with_cells};
 use super::Warehouse;
 use crate::time::Span;
 
+/// A hall for robots and trucks: 60 blocks of ten storage places in four groups, one-way aisles, main roads whose two
+/// lanes are 3 m apart, so that a robot in its lane can be passed, and six stations on either side.
+pub fn docks() -> Warehouse {
+    let blocks = Blocks {
+        name: "docks".into(),
+        groups: (2, 2),
+        blocks: (3, 5),
+        stations_west: 6,
+        stations_east: 6,
+        chargers: 16,
+        parking: 16,
+        road_m: 3.0,
+        ..Blocks::default()
+    };
+    blocks.draft().build().expect("the shipped map is well-formed, a test builds it")
+}
+
 /// A hall for 800 robots: 220 blocks of ten storage places in four groups, one-way aisles, main roads with a
 /// lane each way around and between the groups, 24 stations on the west side and 24 on the east side.
 pub fn kiva() -> Warehouse {
@@ -33,6 +50,7 @@ pub fn kiva() -> Warehouse {
         chargers: 88,
         parking: 64,
         fill: 0.85,
+        road_m: 1.0,
     };
     blocks.draft().build().expect("the shipped map is well-formed, a test builds it")
 }
@@ -81,6 +99,23 @@ mod tests {
         assert_eq!((s.storage, s.racks, s.stations), (2_200, 1_870, 48));
         assert!(s.chargers >= 80 && s.parking > 0, "{s}");
         room_for(&w, 1_600).expect("twice the room that 800 robots need");
+    }
+
+    #[test]
+    fn lanes_of_main_roads_are_as_far_apart_as_wanted_and_all_else_stays_a_metre() {
+        let narrow = Blocks { groups: (2, 1), ..Blocks::default() };
+        let wide = Blocks { road_m: 3.0, ..narrow.clone() };
+        let [narrow, wide] = [narrow, wide].map(|blocks| blocks.draft().build().expect("a map"));
+        assert_eq!(narrow.nodes.len(), wide.nodes.len());
+        let lengths = |w: &Warehouse| {
+            let mut all: Vec<i64> = w.arcs.iter().map(|arc| (arc.length_m * 10.0).round() as i64).collect();
+            all.sort_unstable();
+            all.dedup();
+            all
+        };
+        assert_eq!((lengths(&narrow), lengths(&wide)), (vec![10], vec![10, 30]));
+        let at = |name: &str| wide.nodes[wide.node_named(name).expect(name)].at;
+        assert_eq!([at("A1-5").x - at("A0-5").x, at("A2-2").x - at("A1-2").x], [3.0, 1.0]);
     }
 
     #[test]

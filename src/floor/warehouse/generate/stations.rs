@@ -36,6 +36,7 @@ pub fn stations() -> Warehouse {
         chargers: 12,
         parking: 24,
         fill: 0.85,
+        road_m: 1.0,
     };
     let mut draft = blocks.draft();
     for (bay, station) in [("W1", "S1"), ("W2", "S2"), ("E1", "S3"), ("E2", "S4")] {
