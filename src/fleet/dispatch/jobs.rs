@@ -26,9 +26,12 @@ use giveway_floor::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use giveway_floor::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How many waiting jobs and idle robots one step matches at most.
-const JOBS: usize = 128;
+/// How many idle robots one step matches at most, how many waiting jobs with them, and how many pairs of both. Jobs that
+/// are all as urgent, such as a stock count in the order of the map, are for neighbouring racks: with few of them to
+/// choose from, all robots would crowd in one aisle.
 const ROBOTS: usize = 64;
+const JOBS: usize = 2_048;
+const PAIRS: usize = 32_768;
 /// Cost of each rack that is under way to a station beyond half of its places, milliseconds.
 const CONGESTION_MS: i64 = 8_000;
 
@@ -165,8 +168,9 @@ fn candidates(
     // Jobs from behind one that cannot go on: for the same rack, the first job of another line may be more urgent.
     let mut behind: BTreeMap<RackId, (JobId, RackId, NodeId, i64)> = BTreeMap::new();
     let mut found = Vec::new();
+    let most = (PAIRS / (robots.len().min(ROBOTS) + carriers.len()).max(1)).min(JOBS);
     for id in queue.offers(now, has_room) {
-        if found.len() == JOBS || seen.len() == wanted {
+        if found.len() == most || seen.len() == wanted {
             break;
         }
         let rack = floor.ledger.jobs[&id].request.kind.rack().expect("offers are for racks");

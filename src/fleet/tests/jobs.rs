@@ -260,6 +260,23 @@ fn a_job_that_one_robot_alone_can_do_is_not_lost_behind_a_hundred_others() {
 }
 
 #[test]
+fn robots_choose_among_all_jobs_that_are_as_urgent_and_do_not_crowd_where_a_stock_count_begins() {
+    let kiva = giveway_floor::warehouse::formats::json::parse(include_str!("../../../maps/kiva.json"))
+        .expect("is a map");
+    let mut floor = TestFloor::new(kiva, &scenario(50));
+    // Each rack once, in the order of the map.
+    let jobs = (0..600).map(|rack| Input::ask(7, JobAction::Submit(request(deliver(rack)))));
+    floor.step(jobs.collect());
+    floor.run(1);
+    let fetched = floor.fleet.ledger().robots.iter().filter_map(|robot| match robot.task {
+        Task::Fetch { rack, .. } => Some(rack.0),
+        _ => None,
+    });
+    let (near, far): (Vec<u32>, Vec<u32>) = fetched.partition(|rack| *rack < 300);
+    assert!(near.len() + far.len() > 20 && far.len() > 5, "{near:?} {far:?}");
+}
+
+#[test]
 fn a_robot_that_rests_where_another_is_sent_makes_way() {
     let mut floor = TestFloor::thesis(2);
     let parking = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
