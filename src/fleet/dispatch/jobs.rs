@@ -26,9 +26,9 @@ use giveway_floor::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use giveway_floor::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How many idle robots one step matches at most, how many waiting jobs with them, and how many pairs of both. Jobs that
-/// are all as urgent, such as a stock count in the order of the map, are for neighbouring racks: with few of them to
-/// choose from, all robots would crowd in one aisle.
+/// How many idle robots one step matches at most, how many waiting jobs with them, and how many pairs of both. Jobs
+/// that are all as urgent, such as a stock count in the order of the map, are for neighbouring racks: with few of them
+/// to choose from, all robots would crowd in one aisle.
 const ROBOTS: usize = 64;
 const JOBS: usize = 2_048;
 const PAIRS: usize = 32_768;

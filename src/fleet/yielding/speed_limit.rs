@@ -408,8 +408,8 @@ impl SpeedLimits<'_> {
     /// Whether a robot's next piece of way leads away from a person: along what it was granted, or back where it is
     /// called to. A robot that drives back, or has yielded there for long, may also pass, if that is no nearer than it
     /// is already; so may any robot past a person who stands, since neither gets anywhere while the robot stands in the
-    /// way. Not so past a vehicle whose turning circle the robot is in, until it has yielded for long: nobody knows which
-    /// way the vehicle is turned.
+    /// way. Not so past a vehicle whose turning circle the robot is in, until it has yielded for long: nobody knows
+    /// which way the vehicle is turned.
     pub(crate) fn drives_away(&self, robot: RobotId, at: Point, w: &Whereabouts, now: Time) -> bool {
         let back = self.drives_back_to(robot);
         let lax = back.is_some() || self.yielding.stood_for(robot, now).is_some();

@@ -46,7 +46,8 @@ fn robots_of_a_file_drive_beside_those_of_the_floor() {
     assert_eq!(kinds, ["robot"], "the others wait for what their robots say of themselves");
     assert_eq!(mqtt.open.iter().map(|kind| kind.name.as_str()).collect::<Vec<_>>(), ["cart", "tug"]);
     let whole = r#"{"giveway_robots": 1, "kinds": {"cart": {"fleet": {"speed_mps": 1, "accel_unloaded_mps2": 1,
-        "turn_radps": 1, "footprint": {"circle_m": 0.3}, "payload_kg": 50}, "link": {"maps": {"lab": {}}}}}, "robots": []}"#;
+        "turn_radps": 1, "footprint": {"circle_m": 0.3}, "payload_kg": 50},
+        "link": {"maps": {"lab": {}}}}}, "robots": []}"#;
     let file = RobotsFile::parse(whole, None).expect("a file");
     assert_eq!((file.kinds[0].name.as_str(), file.open.len()), ("cart", 0));
 }

@@ -1,7 +1,7 @@
 //! Why a robot of another vendor is not commanded, and what was noticed of it.
 //!
-//! Constructors of sentences; each is named after its code. What a robot itself says stays in its own words. Refuses: to
-//! decide what is said.
+//! Constructors of sentences; each is named after its code. What a robot itself says stays in its own words. Refuses:
+//! to decide what is said.
 
 use super::sentences;
 

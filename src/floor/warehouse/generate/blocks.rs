@@ -109,8 +109,8 @@ impl Blocks {
     /// road at the end; station bays, chargers and parking places beyond the outermost roads; a door for people at two
     /// corners and at the ends of the roads between the groups.
     ///
-    /// The pitch is 1 m, but for the lanes of main roads. Storage places open to the aisle along their row and, at the ends of a block, to the
-    /// aisle there; unloaded robots also drive beneath the racks of a block.
+    /// The pitch is 1 m, but for the lanes of main roads. Storage places open to the aisle along their row and, at the
+    /// ends of a block, to the aisle there; unloaded robots also drive beneath the racks of a block.
     pub fn draft(&self) -> Draft {
         let mut hall = HallDraft {
             pen: Pen::new(&self.name),

@@ -1,7 +1,7 @@
 //! Maps made by rule: the maps shipped in `maps/`, and [`Blocks`] for others like them.
 //!
-//! Main type: [`Blocks`]; [`lab`], [`thesis`], [`mixed()`], [`stations()`], [`docks`] and [`kiva`] are the shipped halls. Refuses:
-//! chance; the same parameters give the same map.
+//! Main type: [`Blocks`]; [`lab`], [`thesis`], [`mixed()`], [`stations()`], [`docks`] and [`kiva`] are the
+//! shipped halls. Refuses: chance; the same parameters give the same map.
 
 mod blocks;
 mod halls;
@@ -115,7 +115,7 @@ mod tests {
         };
         assert_eq!((lengths(&narrow), lengths(&wide)), (vec![10], vec![10, 30]));
         let at = |name: &str| wide.nodes[wide.node_named(name).expect(name)].at;
-        assert_eq!([at("A1-5").x - at("A0-5").x, at("A2-2").x - at("A1-2").x], [3.0, 1.0]);
+        assert_eq!([at("A1-5").x - at("A0-5").x, at("S2-2").x - at("A1-2").x], [3.0, 1.0]);
     }
 
     #[test]
